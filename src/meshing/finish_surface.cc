@@ -9,6 +9,7 @@
 #include "mesh/confidences.h"
 #include "mesh/split_fans.h"
 #include "remesh/isotropic_remeshing.h"
+#include "spatial/self_intersections.h"
 
 namespace colmap_ext {
 namespace {
@@ -253,6 +254,7 @@ void FinishSurface(const ManifoldMeshingOptions& options,
     report.self_intersections.num_after =
         FindSelfIntersections(result->mesh).size();
   }
+  Unfold(&result->mesh);
   Report(progress, "Checking the mesh", 0);
   report.mesh = Analyze(result->mesh);
   if (!report.mesh.IsManifold()) {

@@ -100,6 +100,9 @@ void FinishRefinement(const FacetwiseRefinementOptions& options,
         num_before - report.num_self_intersections;
     have_changed = true;
   }
+  if (!report.is_skipped) {
+    Unfold(&refined->mesh, FixedOf(refined->fixed_sources));
+  }
   if (options.region) {
     if (const auto from = CutOff(*options.region, refined)) {
       refined->labels = refined->labels.Remapped(from->facets);

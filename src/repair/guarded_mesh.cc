@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -20,15 +21,42 @@ void DropFixedPairs(const TriangleMesh& mesh, const FixedVertices& fixed,
   });
 }
 
-GuardedMesh::GuardedMesh(TriangleMesh mesh, FixedVertices fixed)
+bool IsFoldedEdge(const TriangleMesh& mesh, uint32_t a, uint32_t b) {
+  return FacetNormal(mesh, a).dot(FacetNormal(mesh, b)) < -0.5F;
+}
+
+GuardedMesh::GuardedMesh(TriangleMesh mesh, FixedVertices fixed, bool has_folds)
     : mesh_(std::move(mesh)),
       fixed_(std::move(fixed)),
+      has_folds_(has_folds),
       rings_(MakeVertexRings(mesh_)),
       partners_(PairHalfEdges(mesh_.facets)),
       tree_(mesh_) {
   std::vector<FacetPair> pairs = FindSelfIntersections(mesh_, tree_);
-  DropFixedPairs(mesh_, fixed_, &pairs);
+  std::vector<uint32_t> facets(mesh_.facets.size());
+  std::iota(facets.begin(), facets.end(), 0);
+  FinishPairs(facets, &pairs);
   ReplacePairs({}, pairs);
+}
+
+void GuardedMesh::FinishPairs(const std::vector<uint32_t>& facets,
+                              std::vector<FacetPair>* pairs) const {
+  for (const uint32_t facet : facets) {
+    for (uint32_t half = 3 * facet; has_folds_ && half < 3 * facet + 3;
+         ++half) {
+      if (IsFolded(half)) {
+        const auto [low, high] = std::minmax({facet, partners_[half] / 3});
+        pairs->push_back({low, high});
+      }
+    }
+  }
+  SortUnique(pairs);
+  DropFixedPairs(mesh_, fixed_, pairs);
+}
+
+bool GuardedMesh::IsFolded(uint32_t half) const {
+  return partners_[half] != kNone &&
+         IsFoldedEdge(mesh_, half / 3, partners_[half] / 3);
 }
 
 std::vector<FacetPair> GuardedMesh::Pairs() const {
@@ -98,7 +126,7 @@ std::optional<std::vector<FacetPair>> GuardedMesh::FewerPairs(
     const std::vector<FacetPair>& old_pairs) {
   tree_.Extend(mesh_, facets);
   std::vector<FacetPair> pairs = FindSelfIntersections(mesh_, tree_, facets);
-  DropFixedPairs(mesh_, fixed_, &pairs);
+  FinishPairs(facets, &pairs);
   work_ += facets.size() + pairs.size();
   if (pairs.size() < old_pairs.size() &&
       std::includes(old_pairs.begin(), old_pairs.end(), pairs.begin(),
@@ -110,15 +138,12 @@ std::optional<std::vector<FacetPair>> GuardedMesh::FewerPairs(
 
 GuardedMesh::Shape GuardedMesh::ShapeOf(
     const std::vector<uint32_t>& facets) const {
-  constexpr float kFoldedCosine = -0.5F;  // between normals: 120 degrees
   Shape shape;
   for (const uint32_t facet : facets) {
-    const Eigen::Vector3f normal = FacetNormal(mesh_, facet);
-    shape.normals.push_back(normal);
+    shape.normals.push_back(FacetNormal(mesh_, facet));
     shape.is_folded.push_back(0);
     for (uint32_t half = 3 * facet; half < 3 * facet + 3; ++half) {
-      if (partners_[half] != kNone &&
-          normal.dot(FacetNormal(mesh_, partners_[half] / 3)) < kFoldedCosine) {
+      if (IsFolded(half)) {
         shape.is_folded.back() = 1;
         // An edge between two of the facets counts twice, before and after.
         ++shape.num_folded_edges;

@@ -21,6 +21,10 @@ namespace colmap_ext {
 void DropFixedPairs(const TriangleMesh& mesh, const FixedVertices& fixed,
                     std::vector<FacetPair>* pairs);
 
+// Whether the edge of two facets is folded: their normals are more than 120
+// degrees apart.
+bool IsFoldedEdge(const TriangleMesh& mesh, uint32_t a, uint32_t b);
+
 // Where some vertices are to go.
 struct VertexTargets {
   std::vector<uint32_t> vertices;          // each once
@@ -32,13 +36,14 @@ struct VertexTargets {
 // afterwards are a real subset of those before, and if it turns no facet over.
 // A facet turns over if its normal turns by more than a right angle, unless it
 // was folded onto a neighbor and is not so any more; and no more edges may be
-// folded than before. Folded is an edge whose facets' normals are more than 120
-// degrees apart.
+// folded than before.
 class GuardedMesh {
  public:
   // \param fixed  of the mesh. Pairs of two fixed facets do not count.
+  // \param has_folds  whether facets at a folded edge are a pair, too
   // \pre the mesh is manifold
-  explicit GuardedMesh(TriangleMesh mesh, FixedVertices fixed = {});
+  explicit GuardedMesh(TriangleMesh mesh, FixedVertices fixed = {},
+                       bool has_folds = false);
 
   const TriangleMesh& mesh() const { return mesh_; }
   const FixedVertices& fixed() const { return fixed_; }
@@ -76,6 +81,11 @@ class GuardedMesh {
   // \pre both hold around the half-edge
   bool Flip(uint32_t half);
 
+  // Adds those of facets that are folded onto each other, if they count, and
+  // drops what does not.
+  void FinishPairs(const std::vector<uint32_t>& facets,
+                   std::vector<FacetPair>* pairs) const;
+
   void ReplacePairs(const std::vector<FacetPair>& old_pairs,
                     const std::vector<FacetPair>& new_pairs);
   void Swap(VertexTargets* targets);
@@ -100,11 +110,13 @@ class GuardedMesh {
     std::vector<uint8_t> is_folded;        // [facets]
     size_t num_folded_edges = 0;
   };
+  bool IsFolded(uint32_t half) const;
   Shape ShapeOf(const std::vector<uint32_t>& facets) const;
   static bool TurnsOver(const Shape& before, const Shape& after);
 
   TriangleMesh mesh_;
   FixedVertices fixed_;
+  bool has_folds_;
   VertexRings rings_;
   std::vector<uint32_t> partners_;
   FacetTree tree_;

@@ -24,6 +24,10 @@ constexpr double kPushes[] = {0.01, 0.1, 0.5};  // of the edges' mean length
 // other, which pairs by themselves can not separate.
 constexpr size_t kMaxSinglePairs = 64;
 
+// A choice: what wider surroundings have to give way to is no fold but the rim
+// of something thin.
+constexpr int kMaxUnfoldingRounds = 3;
+
 // Choices: of the work (GuardedMesh::Work), for each facet of the mesh, and
 // besides. Meshes with few self-intersections are far from it.
 constexpr size_t kMaxWorkPerFacet = 10;
@@ -61,7 +65,8 @@ bool SmoothOrPushPairs(const std::vector<FacetPair>& pairs, int num_rings,
   }
   const size_t num_pairs = mesh->NumPairs();
   for (const FacetPair& pair : pairs) {
-    if (DoesPairIntersect(mesh->mesh(), pair)) {
+    const std::vector<FacetPair> left = mesh->PairsOf({pair[0]});
+    if (std::ranges::find(left, pair) != left.end()) {
       SmoothOrPush({pair[0], pair[1]}, num_rings, mesh);
     }
   }
@@ -96,11 +101,28 @@ void MarkWithin(const TriangleMesh& mesh,
       });
 }
 
+// Facets at folded edges.
+std::vector<FacetPair> FindFolds(const TriangleMesh& mesh) {
+  std::vector<FacetPair> folds;
+  const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
+  for (uint32_t half = 0; half < partners.size(); ++half) {
+    if (partners[half] != kNone && half < partners[half] &&
+        IsFoldedEdge(mesh, half / 3, partners[half] / 3)) {
+      folds.push_back({half / 3, partners[half] / 3});
+    }
+  }
+  return folds;
+}
+
 // Repairs a mesh patch by patch.
 class PatchRepair {
  public:
-  PatchRepair(TriangleMesh* mesh, const FixedVertices& fixed)
-      : mesh_(*mesh), fixed_(fixed), pairs_(FindSelfIntersections(*mesh)) {
+  PatchRepair(TriangleMesh* mesh, const FixedVertices& fixed,
+              bool has_folds = false)
+      : mesh_(*mesh),
+        fixed_(fixed),
+        has_folds_(has_folds),
+        pairs_(has_folds ? FindFolds(*mesh) : FindSelfIntersections(*mesh)) {
     DropFixedPairs(*mesh, fixed, &pairs_);
     num_before_ = pairs_.size();
   }
@@ -158,9 +180,9 @@ class PatchRepair {
     for (const uint32_t vertex : patch.vertices) {
       fixed.push_back(IsFixed(fixed_, vertex) ? 1 : 0);
     }
-    GuardedMesh guarded(patch.mesh, std::move(fixed));
+    GuardedMesh guarded(patch.mesh, std::move(fixed), has_folds_);
     const size_t max_work = MaxWork() - work_;
-    if (first_round == 0) {
+    if (first_round == 0 && !has_folds_) {
       SeparateCopies(&guarded, max_work);
     }
     for (int round = first_round; round < end_round && guarded.NumPairs() > 0 &&
@@ -218,6 +240,7 @@ class PatchRepair {
 
   TriangleMesh& mesh_;
   const FixedVertices& fixed_;
+  bool has_folds_;                // whether facets at a folded edge are a pair
   std::vector<FacetPair> pairs_;  // that are left
   size_t work_ = 0;               // GuardedMesh::Work() so far
   size_t num_before_ = 0;
@@ -256,6 +279,10 @@ SelfIntersectionRepair RepairSelfIntersections(TriangleMesh* mesh,
                                                int max_rounds,
                                                const FixedVertices& fixed) {
   return PatchRepair(mesh, fixed).Run(max_rounds);
+}
+
+void Unfold(TriangleMesh* mesh, const FixedVertices& fixed) {
+  PatchRepair(mesh, fixed, true).Run(kMaxUnfoldingRounds);
 }
 
 }  // namespace colmap_ext

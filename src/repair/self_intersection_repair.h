@@ -44,6 +44,12 @@ SelfIntersectionRepair RepairSelfIntersections(
     TriangleMesh* mesh, int max_rounds = kMaxRepairRounds,
     const FixedVertices& fixed = {});
 
+// Smooths, pushes and flips folded edges flat in the same way, without new
+// self-intersections. Folded is an edge whose facets' normals are more than 120
+// degrees apart.
+// \pre the mesh is manifold
+void Unfold(TriangleMesh* mesh, const FixedVertices& fixed = {});
+
 // Replaces facets that still intersect, and all at their vertices: drops them
 // and closes the holes that this opens. Where a filling would intersect or not
 // be manifold, more is replaced, a ring or two of it; where that does not help

@@ -227,6 +227,36 @@ TEST(RepairSelfIntersections, IsThatOfThePartThatCrosses) {
   EXPECT_GT(num_flips, 0u);
 }
 
+size_t CountFolds(const TriangleMesh& mesh) {
+  size_t num_folds = 0;
+  const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
+  for (uint32_t half = 0; half < partners.size(); ++half) {
+    num_folds += partners[half] != kNone && half < partners[half] &&
+                 IsFoldedEdge(mesh, half / 3, partners[half] / 3);
+  }
+  return num_folds;
+}
+
+TEST(Unfold, LeavesFewFoldsAndMakesNothingCross) {
+  Random random(3);
+  TriangleMesh mesh = WithNoise(MakeBumpySphere(0.07f, 0), 0.042f, &random);
+  RepairSelfIntersections(&mesh);
+  const size_t num_pairs = FindSelfIntersections(mesh).size();
+  const TriangleMesh before = mesh;
+  Unfold(&mesh);
+  ASSERT_GT(CountFolds(before), 20u);
+  EXPECT_LE(2 * CountFolds(mesh), CountFolds(before));
+  EXPECT_LE(FindSelfIntersections(mesh).size(), num_pairs);
+  ExpectSameTopology(before, mesh);
+
+  TriangleMesh fixed = before;
+  Unfold(&fixed, FixedVertices(before.vertices.size(), 1));
+  EXPECT_EQ(fixed, before);
+  TriangleMesh cube = MakeCube();
+  Unfold(&cube);
+  EXPECT_EQ(cube, MakeCube());
+}
+
 Surface MakeSurface(TriangleMesh mesh) {
   Surface surface{std::move(mesh), {}};
   const size_t num_vertices = surface.mesh.vertices.size();
