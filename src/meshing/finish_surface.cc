@@ -9,7 +9,6 @@
 #include "mesh/confidences.h"
 #include "mesh/split_fans.h"
 #include "remesh/isotropic_remeshing.h"
-#include "spatial/self_intersections.h"
 
 namespace colmap_ext {
 namespace {
@@ -249,12 +248,8 @@ void FinishSurface(const ManifoldMeshingOptions& options,
   }
   Report(progress, "Repairing self-intersections", 0);
   report.self_intersections = RepairSelfIntersections(&result->mesh);
-  if (report.self_intersections.num_after > 0) {
-    Inherit(ReplaceIntersecting(result), &result->facet_confidences);
-    report.self_intersections.num_after =
-        FindSelfIntersections(result->mesh).size();
-  }
-  Unfold(&result->mesh);
+  Inherit(FinishRepair(&report.self_intersections.num_after, result),
+          &result->facet_confidences);
   Report(progress, "Checking the mesh", 0);
   report.mesh = Analyze(result->mesh);
   if (!report.mesh.IsManifold()) {

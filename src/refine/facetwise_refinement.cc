@@ -34,8 +34,7 @@ void ImproveFacets(RefinedMesh* state) {
       source = source != kNone && IsFixed(fixed, source) ? source : kNone;
     }
     const size_t num_crossing =
-        RepairSelfIntersections(&improved.mesh, kMaxRepairRounds,
-                                FixedOf(improved.fixed_sources))
+        RepairSelfIntersections(&improved.mesh, FixedOf(improved.fixed_sources))
             .num_after;
     if (num_crossing <= state->report.num_self_intersections) {
       state->report.num_self_intersections = num_crossing;
@@ -67,8 +66,8 @@ void CountSelfIntersections(const Progress& progress, RefinedMesh* state) {
 
 bool RemoveSelfIntersections(const Progress& progress, RefinedMesh* state) {
   Report(progress, "Repairing self-intersections", 0);
-  const SelfIntersectionRepair repair = RepairSelfIntersections(
-      &state->mesh, kMaxRepairRounds, FixedOf(state->fixed_sources));
+  const SelfIntersectionRepair repair =
+      RepairSelfIntersections(&state->mesh, FixedOf(state->fixed_sources));
   state->report.num_removed_self_intersections +=
       repair.num_before - repair.num_after;
   state->report.num_self_intersections = repair.num_after;
@@ -88,21 +87,13 @@ void FinishRefinement(const FacetwiseRefinementOptions& options,
         refined->views, refined, &report.borders);
     refined->labels = refined->labels.Remapped(from.facets);
     RemoveSelfIntersections(progress, refined);
+    report.num_removed_self_intersections += report.num_self_intersections;
+    refined->labels = refined->labels.Remapped(
+        FinishRepair(&report.num_self_intersections, refined).facets);
+    report.num_removed_self_intersections -= report.num_self_intersections;
   }
   bool have_changed =
       report.borders.trim.num_facets > 0 || report.borders.holes.num_closed > 0;
-  if (!report.is_skipped && report.num_self_intersections > 0) {
-    const Provenance from = ReplaceIntersecting(refined);
-    refined->labels = refined->labels.Remapped(from.facets);
-    const size_t num_before = report.num_self_intersections;
-    CountSelfIntersections(progress, refined);
-    report.num_removed_self_intersections +=
-        num_before - report.num_self_intersections;
-    have_changed = true;
-  }
-  if (!report.is_skipped) {
-    Unfold(&refined->mesh, FixedOf(refined->fixed_sources));
-  }
   if (options.region) {
     if (const auto from = CutOff(*options.region, refined)) {
       refined->labels = refined->labels.Remapped(from->facets);

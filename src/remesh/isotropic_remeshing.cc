@@ -19,25 +19,17 @@ std::vector<float> MeanEdgeLengths(const TriangleMesh& mesh) {
   // So that a vertex's own facets decide less than the surface around it.
   constexpr int kSmoothings = 3;
   const VertexRings rings = MakeVertexRings(mesh);
-  std::vector<float> lengths(mesh.vertices.size(), 0);
-  const auto mean_around = [&](size_t vertex, const auto& value) {
-    float sum = 0;
-    for (const uint32_t neighbor : rings.neighbors[vertex]) {
-      sum += value(neighbor);
-    }
-    const auto count = static_cast<float>(rings.neighbors[vertex].size());
-    return count > 0 ? sum / count : 0;
-  };
-  tbb::parallel_for(size_t{0}, lengths.size(), [&](size_t i) {
-    lengths[i] = mean_around(i, [&](uint32_t neighbor) {
-      return (mesh.vertices[neighbor] - mesh.vertices[i]).norm();
-    });
-  });
+  const auto means = MeanLengths(rings.neighbors, mesh.vertices);
+  std::vector<float> lengths(means.begin(), means.end());
   for (int k = 0; k < kSmoothings; ++k) {
     const std::vector<float> before = lengths;
-    const auto length = [&](uint32_t vertex) { return before[vertex]; };
     tbb::parallel_for(size_t{0}, lengths.size(), [&](size_t i) {
-      lengths[i] = (before[i] + mean_around(i, length)) / 2;
+      float sum = 0;
+      for (const uint32_t neighbor : rings.neighbors[i]) {
+        sum += before[neighbor];
+      }
+      const auto count = static_cast<float>(rings.neighbors[i].size());
+      lengths[i] = count > 0 ? (before[i] + sum / count) / 2 : 0;
     });
   }
   return lengths;

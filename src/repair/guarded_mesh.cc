@@ -4,7 +4,6 @@
 #include <iterator>
 #include <numeric>
 #include <unordered_map>
-#include <unordered_set>
 #include <utility>
 
 #include "base/indices.h"
@@ -194,65 +193,6 @@ bool GuardedMesh::Move(VertexTargets targets) {
     ReplacePairs(change->old_pairs, change->new_pairs);
   }
   return change.has_value();
-}
-
-void GuardedMesh::FlipEdges(const std::vector<uint32_t>& facets) {
-  std::unordered_set<uint32_t> touched;  // vertices of facets that changed
-  for (const uint32_t facet : facets) {
-    for (uint32_t half = 3 * facet; half < 3 * facet + 3; ++half) {
-      const uint32_t partner = partners_[half];
-      const auto is_touched = [&](uint32_t v) { return touched.contains(v); };
-      if (std::ranges::none_of(mesh_.facets[facet], is_touched) && Flip(half)) {
-        touched.insert(mesh_.facets[facet].begin(), mesh_.facets[facet].end());
-        touched.insert(mesh_.facets[partner / 3].begin(),
-                       mesh_.facets[partner / 3].end());
-      }
-    }
-  }
-  if (!touched.empty()) {
-    rings_ = MakeVertexRings(mesh_);
-    partners_ = PairHalfEdges(mesh_.facets);
-  }
-}
-
-bool GuardedMesh::Flip(uint32_t half) {
-  const uint32_t partner = partners_[half];
-  if (partner == kNone) {
-    return false;
-  }
-  const uint32_t first = half / 3, second = partner / 3;
-  const Facet old_first = mesh_.facets[first];
-  const Facet old_second = mesh_.facets[second];
-  const uint32_t from = FromVertex(mesh_.facets, half);
-  const uint32_t to = ToVertex(mesh_.facets, half);
-  const uint32_t left = ToVertex(mesh_.facets, NextHalfEdge(half));
-  const uint32_t right = ToVertex(mesh_.facets, NextHalfEdge(partner));
-  const auto ring = rings_.neighbors[left];
-  const bool is_fixed = IsFixed(fixed_, from) && IsFixed(fixed_, to);
-  if (is_fixed || left == right ||
-      std::binary_search(ring.begin(), ring.end(), right)) {
-    return false;
-  }
-  const std::vector<uint32_t> facets = {std::min(first, second),
-                                        std::max(first, second)};
-  const std::vector<FacetPair> old_pairs = PairsOf(facets);
-  const Eigen::Vector3f a = FacetNormal(mesh_, first);
-  const Eigen::Vector3f b = FacetNormal(mesh_, second);
-  mesh_.facets[first] = {left, from, right};
-  mesh_.facets[second] = {right, to, left};
-  const auto agrees = [&](uint32_t facet) {
-    const Eigen::Vector3f normal = FacetNormal(mesh_, facet);
-    return normal.dot(a) > 0 && normal.dot(b) > 0;
-  };
-  if (agrees(first) && agrees(second)) {
-    if (const auto pairs = FewerPairs(facets, old_pairs)) {
-      ReplacePairs(old_pairs, *pairs);
-      return true;
-    }
-  }
-  mesh_.facets[first] = old_first;
-  mesh_.facets[second] = old_second;
-  return false;
 }
 
 }  // namespace colmap_ext

@@ -71,16 +71,7 @@ class GuardedMesh {
   // \return whether it is allowed, and done
   bool Move(VertexTargets targets);
 
-  // Flips the edges of some facets where that is allowed, but none at a vertex
-  // of facets that a flip before it has changed.
-  void FlipEdges(const std::vector<uint32_t>& facets);
-
  private:
-  // Lets the edge of a half-edge connect the two corners opposite of it, if it
-  // is allowed. Leaves rings_ and partners_ as they were.
-  // \pre both hold around the half-edge
-  bool Flip(uint32_t half);
-
   // Adds those of facets that are folded onto each other, if they count, and
   // drops what does not.
   void FinishPairs(const std::vector<uint32_t>& facets,

@@ -46,35 +46,44 @@ size_t Replace(const std::vector<uint32_t>& facets, int num_rings,
   return report.NumLeft();
 }
 
-}  // namespace
-
-Provenance ReplaceIntersecting(Surface* surface) {
-  Provenance from = IdentityOf(surface->mesh);
-  std::vector<FacetPair> pairs = FindSelfIntersections(surface->mesh);
-  DropFixedPairs(surface->mesh, FixedOf(surface->fixed_sources), &pairs);
-  if (pairs.empty() || pairs.size() > kMaxReplacedPairs) {
-    return from;
-  }
+Provenance ReplaceIntersecting(const std::vector<FacetPair>& pairs,
+                               Surface* surface) {
   std::vector<uint32_t> facets;
   for (const FacetPair& pair : pairs) {
     Append(pair, &facets);
   }
+  const Provenance identity = IdentityOf(surface->mesh);
   const std::vector<uint8_t> was_border =
       MakeVertexRings(surface->mesh).is_border;
   std::pair<Surface, Provenance> best;
-  for (int num_rings = 0; num_rings <= kMaxReplacedRings; ++num_rings) {
-    std::pair<Surface, Provenance> replaced(*surface, from);
-    const size_t num_holes = Replace(facets, num_rings, was_border,
-                                     &replaced.first, &replaced.second);
+  size_t num_holes = 1;
+  for (int num_rings = 0; num_rings <= kMaxReplacedRings && num_holes > 0;
+       ++num_rings) {
+    std::pair<Surface, Provenance> replaced(*surface, identity);
+    num_holes = Replace(facets, num_rings, was_border, &replaced.first,
+                        &replaced.second);
     if (num_rings == 0 || num_holes == 0) {
       best = std::move(replaced);
-    }
-    if (num_holes == 0) {
-      break;
     }
   }
   *surface = std::move(best.first);
   return std::move(best.second);
+}
+
+}  // namespace
+
+Provenance FinishRepair(size_t* num_pairs, Surface* surface) {
+  Provenance from = IdentityOf(surface->mesh);
+  if (*num_pairs > 0 && *num_pairs <= kMaxReplacedPairs) {
+    std::vector<FacetPair> pairs = FindSelfIntersections(surface->mesh);
+    DropFixedPairs(surface->mesh, FixedOf(surface->fixed_sources), &pairs);
+    if (!pairs.empty()) {
+      from = ReplaceIntersecting(pairs, surface);
+    }
+    *num_pairs = FindSelfIntersections(surface->mesh).size();
+  }
+  Unfold(&surface->mesh, FixedOf(surface->fixed_sources));
+  return from;
 }
 
 }  // namespace colmap_ext

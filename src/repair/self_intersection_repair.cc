@@ -20,13 +20,14 @@ namespace {
 constexpr int kSmoothingRounds[] = {1, 4, 16, 64};
 constexpr double kPushes[] = {0.01, 0.1, 0.5};  // of the edges' mean length
 
+// Each round works on wider surroundings than the one before. Choices: what
+// wider ones have to give way to is no fold but the rim of something thin.
+constexpr int kMaxRounds = 8;
+constexpr int kMaxUnfoldingRounds = 3;
+
 // A choice: more pairs in one cluster are two surfaces that run through each
 // other, which pairs by themselves can not separate.
 constexpr size_t kMaxSinglePairs = 64;
-
-// A choice: what wider surroundings have to give way to is no fold but the rim
-// of something thin.
-constexpr int kMaxUnfoldingRounds = 3;
 
 // Choices: of the work (GuardedMesh::Work), for each facet of the mesh, and
 // besides. Meshes with few self-intersections are far from it.
@@ -34,6 +35,7 @@ constexpr size_t kMaxWorkPerFacet = 10;
 constexpr size_t kMaxWork = 100'000;
 
 // Changes the facets' surroundings as a whole.
+// \return whether a change was allowed
 bool SmoothOrPush(const std::vector<uint32_t>& facets, int num_rings,
                   GuardedMesh* mesh) {
   std::vector<uint32_t> vertices =
@@ -46,45 +48,27 @@ bool SmoothOrPush(const std::vector<uint32_t>& facets, int num_rings,
       return true;
     }
   }
-  for (const double share : kPushes) {
-    for (const double sign : {1.0, -1.0}) {
-      if (mesh->Move(Pushed(*mesh, vertices, sign * share))) {
-        return true;
-      }
-    }
-  }
-  return false;
-}
-
-// Changes the surroundings of each pair by itself.
-// \return whether a pair was removed
-bool SmoothOrPushPairs(const std::vector<FacetPair>& pairs, int num_rings,
-                       GuardedMesh* mesh) {
-  if (pairs.size() > kMaxSinglePairs) {
-    return false;
-  }
-  const size_t num_pairs = mesh->NumPairs();
-  for (const FacetPair& pair : pairs) {
-    const std::vector<FacetPair> left = mesh->PairsOf({pair[0]});
-    if (std::ranges::find(left, pair) != left.end()) {
-      SmoothOrPush({pair[0], pair[1]}, num_rings, mesh);
-    }
-  }
-  return mesh->NumPairs() < num_pairs;
+  return std::ranges::any_of(kPushes, [&](double share) {
+    return mesh->Move(Pushed(*mesh, vertices, share)) ||
+           mesh->Move(Pushed(*mesh, vertices, -share));
+  });
 }
 
 void RunRound(int num_rings, size_t max_work, GuardedMesh* mesh) {
-  std::vector<uint32_t> hard;  // facets of the clusters that are left
   for (const auto& [lowest, facets] : mesh->Clusters()) {
     if (mesh->Work() > max_work) {
       break;
     }
+    const std::vector<FacetPair> pairs = mesh->PairsOf(facets);
     if (!SmoothOrPush(facets, num_rings, mesh) &&
-        !SmoothOrPushPairs(mesh->PairsOf(facets), num_rings, mesh)) {
-      Append(facets, &hard);
+        pairs.size() <= kMaxSinglePairs) {
+      for (const auto& [a, b] : pairs) {
+        if (!mesh->PairsOf({a, b}).empty()) {
+          SmoothOrPush({a, b}, num_rings, mesh);
+        }
+      }
     }
   }
-  mesh->FlipEdges(hard);
 }
 
 // Marks all facets whose boxes meet any of the given ones, too.
@@ -128,10 +112,8 @@ class PatchRepair {
   }
 
   SelfIntersectionRepair Run(int max_rounds) {
-    RunRounds(0, std::min(1, max_rounds));
-    if (max_rounds > 1) {
-      RunRounds(1, max_rounds);
-    }
+    RunRounds(0, 1);
+    RunRounds(1, max_rounds);
     return {num_before_, pairs_.size()};
   }
 
@@ -148,7 +130,7 @@ class PatchRepair {
       Append(pair, &crossing);
     }
     // Rings of vertices around the facets of a pair that may move.
-    const int num_rings = std::max(end_round - 1, 0);
+    const int num_rings = end_round - 1;
     const std::vector<uint8_t> is_around =
         MarkAround(mesh_, crossing, num_rings + 2);
     std::vector<Box> boxes;  // where facets may move, and a little around
@@ -190,52 +172,28 @@ class PatchRepair {
          ++round) {
       RunRound(round, max_work, &guarded);
     }
-    const std::vector<uint32_t> changed =
-        ChangedFacets(patch.mesh, guarded.mesh());
     const BoxTree tree(*boxes);
     const size_t num_boxes = boxes->size();
-    for (const uint32_t i : changed) {
+    for (uint32_t i = 0; i < patch.mesh.facets.size(); ++i) {
       const Box box = BoxOf(guarded.mesh(), i);
-      if (!tree.AnyOf([&](const Box& b) { return b.contains(box); })) {
+      if (CornersOf(guarded.mesh(), guarded.mesh().facets[i]) !=
+              CornersOf(patch.mesh, patch.mesh.facets[i]) &&
+          !tree.AnyOf([&](const Box& b) { return b.contains(box); })) {
         boxes->push_back(Widened(box));
       }
     }
     if (boxes->size() > num_boxes) {
       return false;
     }
-    Apply(patch, guarded.mesh(), changed);
+    for (size_t i = 0; i < patch.vertices.size(); ++i) {
+      mesh_.vertices[patch.vertices[i]] = guarded.mesh().vertices[i];
+    }
     pairs_.clear();
     for (const auto& [a, b] : guarded.Pairs()) {
       pairs_.push_back({patch.facets[a], patch.facets[b]});
     }
     work_ += guarded.Work();
     return true;
-  }
-
-  static std::vector<uint32_t> ChangedFacets(const TriangleMesh& before,
-                                             const TriangleMesh& after) {
-    std::vector<uint32_t> changed;
-    for (uint32_t i = 0; i < after.facets.size(); ++i) {
-      const Facet& facet = after.facets[i];
-      if (facet != before.facets[i] ||
-          CornersOf(after, facet) != CornersOf(before, facet)) {
-        changed.push_back(i);
-      }
-    }
-    return changed;
-  }
-
-  void Apply(const MeshPart& patch, const TriangleMesh& after,
-             const std::vector<uint32_t>& changed) {
-    for (const uint32_t i : changed) {
-      Facet facet = after.facets[i];
-      for (uint32_t& vertex : facet) {
-        const Eigen::Vector3f& position = after.vertices[vertex];
-        vertex = patch.vertices[vertex];
-        mesh_.vertices[vertex] = position;
-      }
-      mesh_.facets[patch.facets[i]] = facet;
-    }
   }
 
   TriangleMesh& mesh_;
@@ -276,9 +234,8 @@ std::vector<uint8_t> MarkAround(const TriangleMesh& mesh,
 }
 
 SelfIntersectionRepair RepairSelfIntersections(TriangleMesh* mesh,
-                                               int max_rounds,
                                                const FixedVertices& fixed) {
-  return PatchRepair(mesh, fixed).Run(max_rounds);
+  return PatchRepair(mesh, fixed).Run(kMaxRounds);
 }
 
 void Unfold(TriangleMesh* mesh, const FixedVertices& fixed) {

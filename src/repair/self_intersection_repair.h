@@ -14,20 +14,15 @@ struct SelfIntersectionRepair {
   bool operator==(const SelfIntersectionRepair&) const = default;
 };
 
-// Each round works on wider surroundings than the one before. A choice.
-inline constexpr int kMaxRepairRounds = 8;
-
 // Removes self-intersections where local changes do.
 //
 // First copies of a vertex are moved apart by as little as possible
-// (SeparateCopies). Then, in at most `max_rounds` rounds, the vertices of each
-// cluster of facets that intersect, and as many rings around them as there were
-// rounds, are smoothed a little or much, or pushed along their normals a little
-// or much, outwards or inwards, whichever is allowed first. If nothing is, the
-// same is tried around each pair by itself where there are few, and finally
-// edges of the cluster are flipped. A change is allowed only if it removes
-// pairs, makes no new ones and turns no facet over (GuardedMesh). So the pairs
-// that remain are pairs of before, but for those of flipped edges.
+// (SeparateCopies). Then, in a few rounds, the vertices of each cluster of
+// facets that intersect, and as many rings around them as there were rounds,
+// are smoothed a little or much, or pushed along their normals a little or
+// much, outwards or inwards, whichever is allowed first. A change is allowed
+// only if it removes pairs, makes no new ones and turns no facet over
+// (GuardedMesh). So the pairs that remain are pairs of before.
 //
 // What may change, and what it may meet then, is copied as a patch, which alone
 // gets adjacency: that takes little memory beside the mesh. The patch is what
@@ -37,14 +32,12 @@ inline constexpr int kMaxRepairRounds = 8;
 // the same borders. A mesh without self-intersections is not changed. The
 // result does not depend on the number of threads.
 //
-// \param max_rounds  0 or more; 0 moves copies apart only
 // \param fixed  of the mesh; pairs of two fixed facets do not count
 // \pre the mesh is manifold
-SelfIntersectionRepair RepairSelfIntersections(
-    TriangleMesh* mesh, int max_rounds = kMaxRepairRounds,
-    const FixedVertices& fixed = {});
+SelfIntersectionRepair RepairSelfIntersections(TriangleMesh* mesh,
+                                               const FixedVertices& fixed = {});
 
-// Smooths, pushes and flips folded edges flat in the same way, without new
+// Smooths and pushes folded edges flat in the same way, without new
 // self-intersections. Folded is an edge whose facets' normals are more than 120
 // degrees apart.
 // \pre the mesh is manifold
@@ -52,12 +45,13 @@ void Unfold(TriangleMesh* mesh, const FixedVertices& fixed = {});
 
 // Replaces facets that still intersect, and all at their vertices: drops them
 // and closes the holes that this opens. Where a filling would intersect or not
-// be manifold, more is replaced, a ring or two of it; where that does not help
-// either, a hole stays. Facets at fixed vertices stay as they are. Mind that a
-// mesh with many such pairs is left alone.
+// be manifold, a ring or two more is replaced; where that does not help either,
+// a hole stays. Facets at fixed vertices, and all if there are many pairs, stay
+// as they are. Then smooths and pushes folded edges flat.
+// \param num_pairs  that intersect; then those that are left
 // \return what the surface comes from, see TrimAndCloseHoles()
 // \pre the mesh is manifold
-Provenance ReplaceIntersecting(Surface* surface);
+Provenance FinishRepair(size_t* num_pairs, Surface* surface);
 
 // Marks all facets at the vertices within some rings of edges around facets.
 // Goes through all of the mesh once a ring, and needs no adjacency.
