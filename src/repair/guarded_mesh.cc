@@ -162,37 +162,19 @@ bool GuardedMesh::TurnsOver(const Shape& before, const Shape& after) {
   return after.num_folded_edges > before.num_folded_edges;
 }
 
-std::optional<GuardedMesh::Change> GuardedMesh::Try(VertexTargets* targets) {
-  Change change;
-  const std::vector<uint32_t> facets = rings_.FacetsAt(targets->vertices);
-  change.old_pairs = PairsOf(facets);
+bool GuardedMesh::Move(VertexTargets targets) {
+  const std::vector<uint32_t> facets = rings_.FacetsAt(targets.vertices);
+  const std::vector<FacetPair> old_pairs = PairsOf(facets);
   const Shape shape = ShapeOf(facets);
-  Swap(targets);
+  Swap(&targets);
   if (!TurnsOver(shape, ShapeOf(facets))) {
-    if (auto pairs = FewerPairs(facets, change.old_pairs)) {
-      change.new_pairs = std::move(*pairs);
-      return change;
+    if (const auto pairs = FewerPairs(facets, old_pairs)) {
+      ReplacePairs(old_pairs, *pairs);
+      return true;
     }
   }
-  Swap(targets);
-  return std::nullopt;
-}
-
-std::optional<size_t> GuardedMesh::PairsAfter(VertexTargets targets) {
-  const std::optional<Change> change = Try(&targets);
-  if (!change) {
-    return std::nullopt;
-  }
   Swap(&targets);
-  return NumPairs() - change->old_pairs.size() + change->new_pairs.size();
-}
-
-bool GuardedMesh::Move(VertexTargets targets) {
-  const std::optional<Change> change = Try(&targets);
-  if (change) {
-    ReplacePairs(change->old_pairs, change->new_pairs);
-  }
-  return change.has_value();
+  return false;
 }
 
 }  // namespace colmap_ext

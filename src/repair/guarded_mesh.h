@@ -64,9 +64,6 @@ class GuardedMesh {
   // pairs found: a measure of time that is the same on every machine.
   size_t Work() const { return work_; }
 
-  // The number of pairs that a move would leave; nothing if it is not allowed.
-  std::optional<size_t> PairsAfter(VertexTargets targets);
-
   // \pre none of the vertices is fixed
   // \return whether it is allowed, and done
   bool Move(VertexTargets targets);
@@ -85,15 +82,6 @@ class GuardedMesh {
   std::optional<std::vector<FacetPair>> FewerPairs(
       const std::vector<uint32_t>& facets,
       const std::vector<FacetPair>& old_pairs);
-
-  // Pairs of the facets that change.
-  struct Change {
-    std::vector<FacetPair> old_pairs, new_pairs;
-  };
-
-  // Moves the vertices, if it is allowed; the pairs are to be replaced then,
-  // and the targets are where the vertices were.
-  std::optional<Change> Try(VertexTargets* targets);
 
   // Of the facets and their neighbors, at the present positions.
   struct Shape {
@@ -132,12 +120,5 @@ VertexTargets Smoothed(const GuardedMesh& mesh,
 // \pre indices are in range
 VertexTargets Pushed(const GuardedMesh& mesh,
                      const std::vector<uint32_t>& vertices, double share);
-
-// Moves vertices that share a position with others (copies, see SplitFans)
-// apart where their facets intersect: each into its own fan, towards the mean
-// of its neighbors, or to the other side, by the smallest step of 2^k roundings
-// of its coordinates that leaves the fewest pairs. A step is at most a quarter
-// of the way. Ends where the mesh's Work() exceeds max_work.
-void SeparateCopies(GuardedMesh* mesh, size_t max_work);
 
 }  // namespace colmap_ext

@@ -15,10 +15,13 @@
 namespace colmap_ext {
 namespace {
 
-// Small changes first. Both are choices: a single outlier is smoothed after a
-// few rounds of smoothing, a part of the surface takes more.
+// Small changes first, all choices. Pushes are shares of the edges' mean
+// length: copies of a vertex come apart by the first, which no picture shows. A
+// single outlier is smoothed after a few rounds, a part of the surface takes
+// more.
+constexpr double kSmallPushes[] = {1e-6, 1e-4};
 constexpr int kSmoothingRounds[] = {1, 4, 16, 64};
-constexpr double kPushes[] = {0.01, 0.1, 0.5};  // of the edges' mean length
+constexpr double kPushes[] = {0.01, 0.1, 0.5};
 
 // Each round works on wider surroundings than the one before. Choices: what
 // wider ones have to give way to is no fold but the rim of something thin.
@@ -43,15 +46,16 @@ bool SmoothOrPush(const std::vector<uint32_t>& facets, int num_rings,
   std::erase_if(vertices, [mesh](uint32_t vertex) {
     return IsFixed(mesh->fixed(), vertex);
   });
-  for (const int num_rounds : kSmoothingRounds) {
-    if (mesh->Move(Smoothed(*mesh, vertices, num_rounds))) {
-      return true;
-    }
-  }
-  return std::ranges::any_of(kPushes, [&](double share) {
-    return mesh->Move(Pushed(*mesh, vertices, share)) ||
-           mesh->Move(Pushed(*mesh, vertices, -share));
-  });
+  const auto push = [&](double share) {
+    return mesh->Move(Pushed(*mesh, vertices, -share)) ||
+           mesh->Move(Pushed(*mesh, vertices, share));
+  };
+  const auto smooth = [&](int num_rounds) {
+    return mesh->Move(Smoothed(*mesh, vertices, num_rounds));
+  };
+  return std::ranges::any_of(kSmallPushes, push) ||
+         std::ranges::any_of(kSmoothingRounds, smooth) ||
+         std::ranges::any_of(kPushes, push);
 }
 
 void RunRound(int num_rings, size_t max_work, GuardedMesh* mesh) {
@@ -120,7 +124,6 @@ class PatchRepair {
  private:
   using Box = Eigen::AlignedBox3f;
 
-  // Copies of a vertex move apart before round 0.
   void RunRounds(int first_round, int end_round) {
     if (pairs_.empty() || work_ > MaxWork()) {
       return;
@@ -164,9 +167,6 @@ class PatchRepair {
     }
     GuardedMesh guarded(patch.mesh, std::move(fixed), has_folds_);
     const size_t max_work = MaxWork() - work_;
-    if (first_round == 0 && !has_folds_) {
-      SeparateCopies(&guarded, max_work);
-    }
     for (int round = first_round; round < end_round && guarded.NumPairs() > 0 &&
                                   guarded.Work() <= max_work;
          ++round) {

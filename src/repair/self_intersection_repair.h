@@ -16,13 +16,12 @@ struct SelfIntersectionRepair {
 
 // Removes self-intersections where local changes do.
 //
-// First copies of a vertex are moved apart by as little as possible
-// (SeparateCopies). Then, in a few rounds, the vertices of each cluster of
-// facets that intersect, and as many rings around them as there were rounds,
-// are smoothed a little or much, or pushed along their normals a little or
-// much, outwards or inwards, whichever is allowed first. A change is allowed
-// only if it removes pairs, makes no new ones and turns no facet over
-// (GuardedMesh). So the pairs that remain are pairs of before.
+// In a few rounds, the vertices of each cluster of facets that intersect, and
+// as many rings around them as there were rounds, are pushed along their
+// normals, inwards or outwards, or smoothed, a little or much, whichever is
+// allowed first: copies of a vertex by so little that no picture shows it. A
+// change is allowed only if it removes pairs, makes no new ones and turns no
+// facet over (GuardedMesh). So the pairs that remain are pairs of before.
 //
 // What may change, and what it may meet then, is copied as a patch, which alone
 // gets adjacency: that takes little memory beside the mesh. The patch is what

@@ -161,8 +161,12 @@ TriangleMesh MakeTriangles(size_t num_facets, const Corner& corner) {
 // Two tetrahedra that touch with their first vertices.
 inline TriangleMesh MakeTipToTip() {
   const TriangleMesh tip = MakeTetrahedron();
-  return Union(
-      tip, Moved(tip, [&](const auto& p) { return 2 * tip.vertices[0] - p; }));
+  TriangleMesh other =
+      Moved(tip, [&](const auto& p) { return 2 * tip.vertices[0] - p; });
+  for (Facet& facet : other.facets) {
+    std::swap(facet[1], facet[2]);  // the reflection turns it inside out
+  }
+  return Union(tip, other);
 }
 
 // Lets all facets use vertex `to` instead of `from`, which is then unreferenced
