@@ -1,11 +1,11 @@
 #pragma once
 
 #include <algorithm>
-#include <utility>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <set>
+#include <utility>
 
 #include <Eigen/Geometry>
 
