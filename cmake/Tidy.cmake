@@ -21,7 +21,5 @@ list(REMOVE_DUPLICATES libs)
 
 add_library(colmap_ext_tidy OBJECT EXCLUDE_FROM_ALL ${sources})
 target_link_libraries(colmap_ext_tidy PRIVATE ${libs})
-# Sources that share a batch here alone may use each other's names for locals.
-target_compile_options(colmap_ext_tidy PRIVATE -Wno-shadow)
 set_target_properties(colmap_ext_tidy PROPERTIES
   UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 40)

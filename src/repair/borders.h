@@ -74,7 +74,8 @@ HoleReport CloseHoles(double max_width, std::span<const float> footprints,
                       Surface* surface);
 
 // Closes the border loops of these vertices alone, as CloseHoles(), where
-// facets intersect no others. \param is_new [V]
+// facets intersect no others.
+// \param is_new [V]
 HoleReport CloseNewHoles(const std::vector<uint8_t>& is_new, Surface* surface);
 
 // Smooths borders along themselves: a vertex where two of the given half-edges

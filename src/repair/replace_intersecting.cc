@@ -16,7 +16,10 @@ namespace {
 constexpr size_t kMaxReplacedPairs = 256;
 constexpr int kMaxReplacedRings = 2;
 
-// \return the holes that are left
+// Drops the facets within some rings of these, and closes the holes.
+// \param was_border [V]
+// \param from  gets where the surface comes from
+// \return the number of holes that are left
 size_t Replace(const std::vector<uint32_t>& facets, int num_rings,
                const std::vector<uint8_t>& was_border, Surface* surface,
                Provenance* from) {
@@ -74,13 +77,14 @@ Provenance ReplaceIntersecting(const std::vector<FacetPair>& pairs,
 
 Provenance FinishRepair(size_t* num_pairs, Surface* surface) {
   Provenance from = IdentityOf(surface->mesh);
-  if (*num_pairs > 0 && *num_pairs <= kMaxReplacedPairs) {
+  const auto find_pairs = [surface] {
     std::vector<FacetPair> pairs = FindSelfIntersections(surface->mesh);
     DropFixedPairs(surface->mesh, FixedOf(surface->fixed_sources), &pairs);
-    if (!pairs.empty()) {
-      from = ReplaceIntersecting(pairs, surface);
-    }
-    *num_pairs = FindSelfIntersections(surface->mesh).size();
+    return pairs;
+  };
+  if (*num_pairs > 0 && *num_pairs <= kMaxReplacedPairs) {
+    from = ReplaceIntersecting(find_pairs(), surface);
+    *num_pairs = find_pairs().size();
   }
   Unfold(&surface->mesh, FixedOf(surface->fixed_sources));
   return from;
