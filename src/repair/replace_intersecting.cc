@@ -83,7 +83,10 @@ Provenance FinishRepair(size_t* num_pairs, Surface* surface) {
     return pairs;
   };
   if (*num_pairs > 0 && *num_pairs <= kMaxReplacedPairs) {
-    from = ReplaceIntersecting(find_pairs(), surface);
+    const std::vector<FacetPair> pairs = find_pairs();
+    if (!pairs.empty()) {
+      from = ReplaceIntersecting(pairs, surface);
+    }
     *num_pairs = find_pairs().size();
   }
   Unfold(&surface->mesh, FixedOf(surface->fixed_sources));
