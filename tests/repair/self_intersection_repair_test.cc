@@ -211,7 +211,7 @@ size_t CountFolds(const TriangleMesh& mesh) {
 
 TEST(Unfold, LeavesFewFoldsAndMakesNothingCross) {
   Random random(3);
-  TriangleMesh mesh = WithNoise(MakeBumpySphere(0.07f, 0), 0.042f, &random);
+  TriangleMesh mesh = WithNoise(MakeBumpySphere(0.14f, 0), 0.084f, &random);
   RepairSelfIntersections(&mesh);
   const size_t num_pairs = FindSelfIntersections(mesh).size();
   const TriangleMesh before = mesh;
@@ -240,7 +240,7 @@ Surface MakeSurface(TriangleMesh mesh) {
 // A bumpy sphere remains one: closed, of the same genus.
 TEST(FinishRepair, ClosesWhatItOpens) {
   Random random(3);
-  TriangleMesh mesh = WithNoise(MakeBumpySphere(0.07f, 0), 0.042f, &random);
+  TriangleMesh mesh = WithNoise(MakeBumpySphere(0.14f, 0), 0.084f, &random);
   size_t num_pairs = RepairSelfIntersections(&mesh).num_after;
   ASSERT_GT(num_pairs, 0u);
   Surface surface = MakeSurface(mesh);
@@ -263,7 +263,7 @@ TEST(FinishRepair, ClosesWhatItOpens) {
 
 TEST(FinishRepair, LeavesFixedFacetsAndSoundMeshes) {
   Random random(3);
-  TriangleMesh mesh = WithNoise(MakeBumpySphere(0.07f, 0), 0.042f, &random);
+  TriangleMesh mesh = WithNoise(MakeBumpySphere(0.14f, 0), 0.084f, &random);
   size_t num_pairs = RepairSelfIntersections(&mesh).num_after;
   Surface fixed = MakeSurface(mesh);
   fixed.fixed_sources =
