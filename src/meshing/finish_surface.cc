@@ -250,6 +250,9 @@ void FinishSurface(const ManifoldMeshingOptions& options,
   report.self_intersections = RepairSelfIntersections(&result->mesh);
   Inherit(FinishRepair(&report.self_intersections.num_after, result),
           &result->facet_confidences);
+  if (options.smoothing > 0) {
+    Unfold(&result->mesh);
+  }
   Report(progress, "Checking the mesh", 0);
   report.mesh = Analyze(result->mesh);
   if (!report.mesh.IsManifold()) {

@@ -91,6 +91,7 @@ void FinishRefinement(const FacetwiseRefinementOptions& options,
     refined->labels = refined->labels.Remapped(
         FinishRepair(&report.num_self_intersections, refined).facets);
     report.num_removed_self_intersections -= report.num_self_intersections;
+    Unfold(&refined->mesh, FixedOf(refined->fixed_sources));
   }
   bool have_changed =
       report.borders.trim.num_facets > 0 || report.borders.holes.num_closed > 0;

@@ -89,7 +89,6 @@ Provenance FinishRepair(size_t* num_pairs, Surface* surface) {
     }
     *num_pairs = find_pairs().size();
   }
-  Unfold(&surface->mesh, FixedOf(surface->fixed_sources));
   return from;
 }
 

@@ -46,7 +46,7 @@ void Unfold(TriangleMesh* mesh, const FixedVertices& fixed = {});
 // and closes the holes that this opens. Where a filling would intersect or not
 // be manifold, a ring or two more is replaced; where that does not help either,
 // a hole stays. Facets at fixed vertices, and all if there are many pairs, stay
-// as they are. Then smooths and pushes folded edges flat.
+// as they are.
 // \param num_pairs  that intersect; then those that are left
 // \return what the surface comes from, see TrimAndCloseHoles()
 // \pre the mesh is manifold
