@@ -69,8 +69,8 @@ class GuardedMesh {
   bool Move(VertexTargets targets);
 
  private:
-  // Adds those of facets that are folded onto each other, if they count, and
-  // drops what does not.
+  // Adds the pairs at folded edges of the facets, if has_folds_, and drops
+  // pairs of two fixed facets.
   void FinishPairs(const std::vector<uint32_t>& facets,
                    std::vector<FacetPair>* pairs) const;
 

@@ -11,12 +11,12 @@
 namespace colmap_ext {
 namespace {
 
-// Choices: more pairs are surfaces that run through each other; what two rings
-// around a pair do not help is left open.
+// Chosen by hand. More pairs mean surfaces that pass through each other. A hole
+// that cannot be closed after dropping so many rings stays open.
 constexpr size_t kMaxReplacedPairs = 256;
 constexpr int kMaxReplacedRings = 2;
 
-// Drops the facets within some rings of these, and closes the holes.
+// Drops facets and the rings around them, and closes the holes.
 // \param was_border [V]
 // \param from  gets where the surface comes from
 // \return the number of holes that are left
