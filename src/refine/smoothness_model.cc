@@ -102,7 +102,7 @@ std::vector<double> LocalWeights(const VertexRings& rings,
                                  SmoothnessEvidence evidence, double weight) {
   // The global weight counts as much as this share of the evidence that a
   // vertex has on average.
-  constexpr double kPrior = 0.1;
+  constexpr double kPrior = 0.05;
   // Of the global weight. Found by trial; tests/benchmarks/vary_constants.py
   // tables what other values do.
   constexpr double kMinFactor = 0.5;

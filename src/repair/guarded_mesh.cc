@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <numeric>
 #include <unordered_map>
 #include <utility>
 
@@ -24,6 +23,23 @@ bool IsFoldedEdge(const TriangleMesh& mesh, uint32_t a, uint32_t b) {
   return FacetNormal(mesh, a).dot(FacetNormal(mesh, b)) < -0.5F;
 }
 
+std::vector<FacetPair> FoldsOf(const TriangleMesh& mesh,
+                               const std::vector<uint32_t>& partners,
+                               const std::vector<uint32_t>& facets) {
+  std::vector<FacetPair> folds;
+  for (const uint32_t facet : facets) {
+    for (uint32_t half = 3 * facet; half < 3 * facet + 3; ++half) {
+      if (partners[half] != kNone &&
+          IsFoldedEdge(mesh, facet, partners[half] / 3)) {
+        const auto [low, high] = std::minmax({facet, partners[half] / 3});
+        folds.push_back({low, high});
+      }
+    }
+  }
+  SortUnique(&folds);
+  return folds;
+}
+
 GuardedMesh::GuardedMesh(TriangleMesh mesh, FixedVertices fixed, bool has_folds)
     : mesh_(std::move(mesh)),
       fixed_(std::move(fixed)),
@@ -32,22 +48,14 @@ GuardedMesh::GuardedMesh(TriangleMesh mesh, FixedVertices fixed, bool has_folds)
       partners_(PairHalfEdges(mesh_.facets)),
       tree_(mesh_) {
   std::vector<FacetPair> pairs = FindSelfIntersections(mesh_, tree_);
-  std::vector<uint32_t> facets(mesh_.facets.size());
-  std::iota(facets.begin(), facets.end(), 0);
-  FinishPairs(facets, &pairs);
+  FinishPairs(Iota(mesh_.facets.size()), &pairs);
   ReplacePairs({}, pairs);
 }
 
 void GuardedMesh::FinishPairs(const std::vector<uint32_t>& facets,
                               std::vector<FacetPair>* pairs) const {
-  for (const uint32_t facet : facets) {
-    for (uint32_t half = 3 * facet; has_folds_ && half < 3 * facet + 3;
-         ++half) {
-      if (IsFolded(half)) {
-        const auto [low, high] = std::minmax({facet, partners_[half] / 3});
-        pairs->push_back({low, high});
-      }
-    }
+  if (has_folds_) {
+    Append(FoldsOf(mesh_, partners_, facets), pairs);
   }
   SortUnique(pairs);
   DropFixedPairs(mesh_, fixed_, pairs);

@@ -25,6 +25,12 @@ void DropFixedPairs(const TriangleMesh& mesh, const FixedVertices& fixed,
 // degrees apart.
 bool IsFoldedEdge(const TriangleMesh& mesh, uint32_t a, uint32_t b);
 
+// Returns some facets and their neighbors across folded edges, each pair once.
+// \param partners  as of PairHalfEdges()
+std::vector<FacetPair> FoldsOf(const TriangleMesh& mesh,
+                               const std::vector<uint32_t>& partners,
+                               const std::vector<uint32_t>& facets);
+
 // Where some vertices are to go.
 struct VertexTargets {
   std::vector<uint32_t> vertices;          // each once

@@ -91,15 +91,7 @@ void MarkWithin(const TriangleMesh& mesh,
 
 // Facets at folded edges.
 std::vector<FacetPair> FindFolds(const TriangleMesh& mesh) {
-  std::vector<FacetPair> folds;
-  const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
-  for (uint32_t half = 0; half < partners.size(); ++half) {
-    if (partners[half] != kNone && half < partners[half] &&
-        IsFoldedEdge(mesh, half / 3, partners[half] / 3)) {
-      folds.push_back({half / 3, partners[half] / 3});
-    }
-  }
-  return folds;
+  return FoldsOf(mesh, PairHalfEdges(mesh.facets), Iota(mesh.facets.size()));
 }
 
 // Repairs a mesh patch by patch.

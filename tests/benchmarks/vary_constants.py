@@ -26,7 +26,7 @@ CONSTANTS = [
     ("refine/level_refinement.cc", "kBlindIterations", ["1", "4"]),
     ("refine/smoothness_model.cc", "kRedundancy", ["4", "16"]),
     ("refine/smoothness_model.cc", "kMaxChange", ["2", "8"]),
-    ("refine/smoothness_model.cc", "kPrior", ["0.05", "0.2"]),
+    ("refine/smoothness_model.cc", "kPrior", ["0.02", "0.1"]),
     ("refine/smoothness_model.cc", "kMinFactor", ["0.25", "1"]),
     ("refine/smoothness_model.cc", "kMaxFactor", ["8", "32"]),
     ("refine/smoothness_model.cc", "kRounds", ["5", "20"]),

@@ -94,7 +94,7 @@ DenseScene MakeValid(const DenseSceneOptions& options) {
   for (size_t i = 0; i < scene.views.size(); ++i) {
     visible.push_back(RenderVisible(bvh, scene.views[i]));
     if (options.render_images) {
-      result.images.push_back(RenderImage(scene, bvh, i, options.render, seed));
+      result.images.push_back(RenderImage(scene, bvh, i, options.camera, seed));
     }
   }
   std::vector<DepthMap> maps;

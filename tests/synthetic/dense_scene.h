@@ -9,17 +9,10 @@
 #include "scene/point_cloud.h"
 #include "scene/view.h"
 #include "spatial/bvh.h"
+#include "tests/synthetic/photograph.h"
 #include "tests/synthetic/scene.h"
 
 namespace colmap_ext::synthetic {
-
-struct RenderOptions {
-  // Deviation of the sensor's noise in the dark, in steps of 1/255.
-  double sensor_noise = 1.5;
-
-  // Deviation of the photon noise at full intensity, in steps of 1/255.
-  double photon_noise = 2.0;
-};
 
 // The surface at the pixel centers (col + 0.5, row + 0.5) of an image.
 struct Visible : colmap_ext::DepthMap {
@@ -30,9 +23,9 @@ struct Visible : colmap_ext::DepthMap {
 Visible RenderVisible(const Bvh& bvh, const View& view);
 
 // Photograph of the scene by one of its views: 2 x 2 rays a pixel, diffuse
-// light and highlights, exposure, noise.
+// light and highlights, exposure, and what the camera does.
 ColorImage RenderImage(const Scene& scene, const Bvh& bvh, size_t view,
-                       const RenderOptions& options, uint64_t seed);
+                       const CameraOptions& options, uint64_t seed);
 
 struct StereoOptions {
   // Deviation of a match in another image, px. It becomes an error of the depth
@@ -178,7 +171,7 @@ std::vector<View> DisturbViews(const PoseNoiseOptions& options,
 
 struct DenseSceneOptions {
   SceneOptions scene;
-  RenderOptions render;
+  CameraOptions camera;
   StereoOptions stereo;
   FusionOptions fusion;
   SparseOptions sparse;

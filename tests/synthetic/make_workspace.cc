@@ -14,6 +14,7 @@
 namespace {
 
 using colmap_ext::CommandOptions;
+using colmap_ext::synthetic::CameraOptions;
 using colmap_ext::synthetic::DenseScene;
 using colmap_ext::synthetic::DenseSceneOptions;
 using colmap_ext::synthetic::SceneOptions;
@@ -37,6 +38,36 @@ void AddSceneOptions(SceneOptions* scene, CommandOptions* options) {
   options->Add("cell_size", &scene->cell_size, {0.5, 100},
                "[px] Of the true surface's lattice");
   options->AddThreads();
+}
+
+void AddCameraOptions(CameraOptions* camera, CommandOptions* options) {
+  options->AddPreset("camera",
+                     {{"plain", [] {}},
+                      {"photo",
+                       [camera] {
+                         camera->defocus = 0.6;
+                         camera->vignetting = 0.3;
+                         camera->has_mosaic = true;
+                         camera->sharpening = 0.5;
+                         camera->jpeg_quality = 90;
+                       }}},
+                     0,
+                     "photo sets the options from defocus to jpeg_quality, as "
+                     "of photographs; those that are given have priority");
+  options->Add("defocus", &camera->defocus, {0, 20},
+               "[px] Deviation of the lens' blur");
+  options->Add("vignetting", &camera->vignetting, {0, 1},
+               "Share of the light that corners lack");
+  options->Add("sensor_noise", &camera->sensor_noise, {0, 100},
+               "[1/255] Of the images in the dark");
+  options->Add("photon_noise", &camera->photon_noise, {0, 100},
+               "[1/255] Added in full light");
+  options->Add("has_mosaic", &camera->has_mosaic,
+               "One color per pixel, the others interpolated");
+  options->Add("sharpening", &camera->sharpening, {0, 5},
+               "Weight of the details that are added");
+  options->Add("jpeg_quality", &camera->jpeg_quality, {0, 100},
+               "0: without loss");
 }
 
 void AddPointOptions(DenseSceneOptions* scene, CommandOptions* options) {
@@ -78,10 +109,7 @@ CommandOptions Bind(DenseSceneOptions* scene, int* seed,
   options.Add("output_path", output_path, "Folder of the workspace");
   AddSceneOptions(&scene->scene, &options);
   options.Add("seed", seed, {0, 2147483647}, "Of everything random");
-  options.Add("sensor_noise", &scene->render.sensor_noise, {0, 100},
-              "[1/255] Of the images in the dark");
-  options.Add("photon_noise", &scene->render.photon_noise, {0, 100},
-              "[1/255] Added in full light");
+  AddCameraOptions(&scene->camera, &options);
   AddPointOptions(scene, &options);
   options.Add("write_depth_maps", &scene->keep_depth_maps,
               "The stereo's, with normals, to stereo/");

@@ -70,19 +70,6 @@ Vector3f PixelRadiance(const Scene& scene, const Bvh& bvh, const View& view,
   return sum / 4;
 }
 
-Color Expose(const Vector3f& radiance, double exposure,
-             const RenderOptions& options, uint64_t hash) {
-  Color color;
-  for (int i = 0; i < 3; ++i) {
-    const double ideal = std::clamp(radiance[i] * exposure, 0.0, 1.0);
-    const double deviation = std::hypot(
-        options.sensor_noise, options.photon_noise * std::sqrt(ideal));
-    const double value = 255 * ideal + deviation * Gaussian(Hash(hash, i));
-    color[i] = static_cast<uint8_t>(std::clamp(std::lround(value), 0L, 255L));
-  }
-  return color;
-}
-
 }  // namespace
 
 Visible RenderVisible(const Bvh& bvh, const View& view) {
@@ -93,23 +80,21 @@ Visible RenderVisible(const Bvh& bvh, const View& view) {
 }
 
 ColorImage RenderImage(const Scene& scene, const Bvh& bvh, size_t view_index,
-                       const RenderOptions& options, uint64_t seed) {
+                       const CameraOptions& options, uint64_t seed) {
   const View& view = scene.views[view_index];
-  ColorImage image;
+  const auto exposure = static_cast<float>(scene.exposures[view_index]);
+  RadianceImage image;
   image.width = view.width;
   image.height = view.height;
   image.pixels.resize(static_cast<size_t>(view.width) * view.height);
   const Vector3f eye = view.Center().cast<float>();
   tbb::parallel_for(0, view.height, [&](int row) {
     for (int col = 0; col < view.width; ++col) {
-      const size_t index = row * view.width + col;
-      image.pixels[index] =
-          Expose(PixelRadiance(scene, bvh, view, eye, row, col),
-                 scene.exposures[view_index], options,
-                 Hash(seed, 6, view_index, index));
+      image.pixels[static_cast<size_t>(row) * view.width + col] =
+          exposure * PixelRadiance(scene, bvh, view, eye, row, col);
     }
   });
-  return image;
+  return TakePhotograph(image, options, Hash(seed, 6, view_index));
 }
 
 }  // namespace colmap_ext::synthetic
