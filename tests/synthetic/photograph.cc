@@ -43,8 +43,8 @@ void AddNoise(const CameraOptions& options, uint64_t hash, cv::Mat* picture) {
         const double deviation =
             std::hypot(options.sensor_noise,
                        options.photon_noise * std::sqrt(ideal / 255));
-        pixel[i] = static_cast<float>(ideal + deviation *
-                                                  Gaussian(Hash(of_pixel, i)));
+        pixel[i] =
+            static_cast<float>(ideal + deviation * Gaussian(Hash(of_pixel, i)));
       }
     }
   }
@@ -145,8 +145,7 @@ ColorImage TakePhotograph(const RadianceImage& radiance,
     picture = Demosaiced(picture);
   }
   if (options.sharpening > 0) {
-    picture +=
-        options.sharpening * factor(1) * (picture - Blurred(picture, 1));
+    picture += options.sharpening * factor(1) * (picture - Blurred(picture, 1));
   }
   if (options.jpeg_quality > 0) {
     CompressAsJpeg(options.jpeg_quality, &picture);
