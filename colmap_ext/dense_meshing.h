@@ -1,7 +1,7 @@
 // What COLMAP's own sources call once patches/ has changed them: its automatic
 // reconstruction meshes and refines dense workspaces by our commands.
 //
-// COLMAP's libraries include this header and can not link ours, which link
+// COLMAP's libraries include this header and cannot link ours, which link
 // them: the program sets what runs the commands. COLMAP 3.8 compiles it as
 // C++14.
 

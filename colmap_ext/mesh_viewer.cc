@@ -55,7 +55,7 @@ ShownScene ReadScene(const ViewerOptions& options, const ViewerPaths& paths,
         ReadShownImage(paths.folder, scene.views[view], kImageSize, decoder);
     if (scene.images[view] == nullptr) {
       throw FileError(paths.folder / "images" / options.image_name,
-                      "can not be read");
+                      "cannot be read");
     }
   }
   for (const std::string& note : notes) {

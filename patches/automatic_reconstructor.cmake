@@ -5,7 +5,7 @@
 #
 # What is inserted stands beside lines that are the same from COLMAP 3.8 to 4.1,
 # where their surroundings are not, so that no patch file would apply to all.
-# COLMAP's libraries can not link ours; they call what colmap_ext/dense_meshing.h
+# COLMAP's libraries cannot link ours; they call what colmap_ext/dense_meshing.h
 # finds, which the program sets (colmap_commands.patch).
 
 # Replaces what a regular expression finds, which has to be there once.

@@ -203,7 +203,7 @@ JobFileReader::JobFileReader(JobFile file) : file_(std::move(file)) {
   if (error || descriptor_.value < 0) {
     throw FileError(
         file_.path,
-        "can not be read: " + (error ? error.message() : std::strerror(errno)));
+        "cannot be read: " + (error ? error.message() : std::strerror(errno)));
   }
   JobFileHead head = {};
   if (size < sizeof(head) + sizeof(JobFileTail)) {
@@ -313,7 +313,7 @@ void JobFileReader::ReadUnchecked(uint64_t offset, size_t num_bytes,
     }
     if (count < 0 && errno != EINTR) {
       throw FileError(file_.path,
-                      std::string("can not be read: ") + std::strerror(errno));
+                      std::string("cannot be read: ") + std::strerror(errno));
     }
     num_read += count > 0 ? static_cast<size_t>(count) : 0;
   }
@@ -332,7 +332,7 @@ FolderLock::FolderLock(const fs::path& folder) {
   descriptor_.value =
       open((folder / "plan.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor_.value < 0) {
-    throw FileError(folder, "can not be written");
+    throw FileError(folder, "cannot be written");
   }
   is_locked_ = flock(descriptor_.value, LOCK_EX | LOCK_NB) == 0;
   if (!is_locked_ && errno == EWOULDBLOCK) {

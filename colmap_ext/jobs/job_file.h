@@ -30,7 +30,7 @@ uint64_t HashValues(const std::vector<T>& values, uint64_t hash = 0) {
 }
 
 // The size of a file and a hash of its bytes, as "N bytes, hash H"; "none" if
-// it can not be read. Files of more than 16 MB are sampled at 64 places.
+// it cannot be read. Files of more than 16 MB are sampled at 64 places.
 std::string Fingerprint(const std::filesystem::path& path);
 
 // All that the result of a job depends on, except the program itself and its
@@ -126,12 +126,12 @@ void AddSections(const T& value, std::vector<JobFileSection>* sections) {
 }
 
 // Writes a file of these sections. It appears complete or not at all.
-// \throw FileError if it can not be written
+// \throw FileError if it cannot be written
 void WriteSections(const JobFile& file,
                    const std::vector<JobFileSection>& sections);
 
 // Writes a file of a section for each value, two for rows.
-// \throw FileError if it can not be written
+// \throw FileError if it cannot be written
 template <typename... T>
 void WriteJobFile(const JobFile& file, const T&... values) {
   std::vector<JobFileSection> sections;
@@ -153,7 +153,7 @@ class JobFileReader {
   }
 
   // \pre the section has as many values
-  // \throw FileError if the file can not be read, or is damaged there
+  // \throw FileError if the file cannot be read, or is damaged there
   template <typename T>
   std::vector<T> Read(size_t section, size_t begin, size_t end) const {
     std::vector<T> values(end - begin);
@@ -213,7 +213,7 @@ class JobFileReader {
 // folder. Has no effect on network file systems without locks.
 class FolderLock {
  public:
-  // \throw FileError if another has it, or the folder can not be written
+  // \throw FileError if another has it, or the folder cannot be written
   explicit FolderLock(const std::filesystem::path& folder);
 
   // Whether the lock is held; false on a file system without locks.

@@ -129,7 +129,7 @@ class Planner {
     return fmt::format("{:016x}", inputs.Hash(0));
   }
 
-  // A plan that can not be read is made again.
+  // A plan that cannot be read is made again.
   bool IsThere() const {
     try {
       const Plan plan = ReadPlan(plan_.folder);
@@ -357,7 +357,7 @@ Plan MakePlan(const PlannerOptions& options, const PictureDecoder& decoder,
   std::error_code error;
   const bool is_new = fs::create_directories(options.output_path, error);
   if (error) {
-    throw FileError(options.output_path, "can not be made: " + error.message());
+    throw FileError(options.output_path, "cannot be made: " + error.message());
   }
   const FolderLock lock(options.output_path);
   report->is_locked = lock.IsLocked();

@@ -27,7 +27,7 @@ struct PlanReport {
 // Makes a plan and its files. The points are read twice, piece by piece (three
 // times where there are many and the half pixel is calibrated); no more of them
 // are held than a few tiles have.
-// \throw FileError for whatever is wrong with the workspace, or can not be
+// \throw FileError for whatever is wrong with the workspace, or cannot be
 //        written, or where another planner is at work
 Plan MakePlan(const PlannerOptions& options, const PictureDecoder& decoder,
               const Progress& progress, PlanReport* report);
@@ -41,7 +41,7 @@ void MeshTile(const std::filesystem::path& folder, uint32_t tile,
 // Writes the mesh of a plan all of whose tiles are done, as WriteMesh() does,
 // and the region that was found for the plan beside it.
 // \throw FileError as MeshTile(), where a tile is not done, and where the mesh
-//        can not be written
+//        cannot be written
 void MergeTiles(const MergerOptions& options, Console* console);
 
 }  // namespace colmap_ext

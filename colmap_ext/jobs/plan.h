@@ -86,7 +86,7 @@ struct RefinementPlan {
 std::filesystem::path PlanPath(const std::filesystem::path& folder);
 std::filesystem::path RefinementPlanPath(const std::filesystem::path& folder);
 
-// \throw FileError if it can not be written
+// \throw FileError if it cannot be written
 void WritePlan(const Plan& plan);
 void WritePlan(const RefinementPlan& plan);
 

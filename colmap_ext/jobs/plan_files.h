@@ -22,7 +22,7 @@ JobFile CutFile(const Plan& plan, size_t tile);
 JobFile SurfaceFile(const RefinementPlan& plan);
 JobFile PatchFile(const RefinementPlan& plan, size_t tile);
 
-// \throw FileError if it can not be written
+// \throw FileError if it cannot be written
 void Write(const JobFile& file, const TileVertices& vertices);
 void Write(const JobFile& file, const PlanBlocks& blocks);
 void Write(const JobFile& file, const TileCut& cut, const TileSeam& seam);

@@ -157,7 +157,7 @@ void Identify(const fs::path& mesh_path, const RefinerOptions& options,
   refinement->Identify(plan);
 }
 
-// One that can not be read is made again.
+// One that cannot be read is made again.
 bool IsThere(const Plan& plan, const RefinementPlan& refinement) {
   try {
     return ReadRefinementPlan(plan).identity == refinement.identity &&

@@ -17,8 +17,8 @@ namespace colmap_ext {
 // them, and gives tiles colours. Holds the mesh. Prints the commands of the
 // jobs.
 // \pre the mesh is as mesh_merger has written it, with its .vis
-// \throw FileError if a file is missing, damaged, or of another plan, or can
-//        not be written, or where another planner is at work
+// \throw FileError if a file is missing, damaged, or of another plan, or
+//        cannot be written, or where another planner is at work
 void PlanRefinement(const RefinerOptions& options, Console* console);
 
 // Where a plan's pictures lie.

@@ -201,7 +201,7 @@ void ReadRefinedCameras(const RefinerOptions& options, const Progress& progress,
     if (options.refine_cameras) {
       throw FileError(
           input->workspace.sparse_path,
-          "it has rigs of several cameras, which can not be "
+          "it has rigs of several cameras, which cannot be "
           "refined; take --FacetwiseRefinement.refine_cameras none");
     }
     input->camera_parts = RefinedParts::kNothing;

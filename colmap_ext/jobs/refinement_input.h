@@ -55,7 +55,7 @@ RefinementPaths FindRefinementPaths(const RefinerOptions& options);
 // Input of RefineFacetwise(), whose mesh is manifold, and how it was read.
 struct RefinementInput : Surface {
   std::vector<View> views;
-  PointCloud points;  // without the views whose pictures can not be used
+  PointCloud points;  // without the views whose pictures cannot be used
   std::vector<std::string> picture_errors;  // [views] empty: can be used
   std::shared_ptr<ImagePyramid> images;     // [views], read as memory allows
 
@@ -77,7 +77,7 @@ struct RefinementInput : Surface {
 // once to see that it can be read; takes masked observations and unusable
 // pictures from the points.
 // \param read_mask  of the views before, in full; empty: no masks
-// \throw FileError if a picture can not be used, unless such are skipped
+// \throw FileError if a picture cannot be used, unless such are skipped
 void ReadPictures(const RefinerOptions& options,
                   const std::filesystem::path& images_path,
                   const ReadGrayImage& read_mask, const PictureDecoder& decoder,

@@ -89,7 +89,7 @@ RefinementBackend MakeBackend(const RefinerOptions& options,
     try {
       return {MakeGl(options, images, expected_facets, warn)};
     } catch (const GlError& error) {
-      warn(std::string("the graphics card can not be used (") + error.what() +
+      warn(std::string("the graphics card cannot be used (") + error.what() +
            "); the processor computes all");
     }
   }

@@ -18,7 +18,7 @@ std::filesystem::path StatePath(const std::filesystem::path& output);
 // \param level  the last one that is complete, 1 or more.
 // \param report  of this run and those before it: steps, labelings, counts and
 //        misalignment are written.
-// \throw FileError if it can not be written; std::logic_error if the mesh is
+// \throw FileError if it cannot be written; std::logic_error if the mesh is
 //        not manifold.
 void WriteState(const std::filesystem::path& output, const JobInputs& inputs,
                 int level, const RefinedMesh& state,

@@ -29,7 +29,7 @@ PointShares::PointShares(const std::filesystem::path& folder, size_t num_tiles)
   for (size_t tile = 0; tile < num_tiles; ++tile) {
     std::ofstream file(PathOf(tile), std::ios::binary | std::ios::trunc);
     if (!file) {
-      throw FileError(PathOf(tile), "can not be written");
+      throw FileError(PathOf(tile), "cannot be written");
     }
   }
 }
@@ -66,7 +66,7 @@ void PointShares::Flush(size_t tile) {
              static_cast<std::streamsize>(buffers_[tile].size()));
   file.close();
   if (!file) {
-    throw FileError(PathOf(tile), "can not be written: is the disk full?");
+    throw FileError(PathOf(tile), "cannot be written: is the disk full?");
   }
   buffers_[tile].clear();
 }

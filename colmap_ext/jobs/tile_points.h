@@ -20,7 +20,7 @@ namespace colmap_ext {
 // appended to files of the plan's folder, which go away with the object.
 class PointShares {
  public:
-  // \throw FileError if the folder can not be written
+  // \throw FileError if the folder cannot be written
   PointShares(const std::filesystem::path& folder, size_t num_tiles);
   ~PointShares();
   PointShares(const PointShares&) = delete;
@@ -53,7 +53,7 @@ class TilePoints {
   // \param read_mask  of the views; empty: no masks
   // \param report  gets counts of points outside, ray ends, and what masks take
   //        away; num_masks is set before
-  // \throw FileError if the folder can not be written
+  // \throw FileError if the folder cannot be written
   TilePoints(const Plan& plan, const SplitTree& tree, size_t num_points,
              const MesherOptions& options, ReadGrayImage read_mask,
              PlanReport* report);

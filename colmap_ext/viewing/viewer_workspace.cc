@@ -22,7 +22,7 @@ constexpr const char* kMeshNames[] = {"meshed-refined.ply", kMesherOutput,
                                       "meshed-delaunay.ply",
                                       "meshed-poisson.ply"};
 
-// What can not be read is noted.
+// What cannot be read is noted.
 void Read(const ViewerOptions& options, InputType type, const fs::path& folder,
           const PictureDecoder& decoder, ShownScene* result) {
   try {

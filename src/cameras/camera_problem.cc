@@ -137,7 +137,7 @@ class Problem {
   }
 
   // The cameras' steps; the landmarks get theirs.
-  // \return nothing if the equations can not be solved
+  // \return nothing if the equations cannot be solved
   std::optional<CameraSteps> FindSteps(double damping) {
     system_.blocks.assign(system_.columns.values.size(), ViewBlock::Zero());
     system_.slopes.assign(num_views_, ViewStep::Zero());

@@ -103,14 +103,14 @@ void CheckPlace(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_directory(folder, error)) {
     throw FileError(
-        path, "can not be written: " + folder.string() + " is not a folder");
+        path, "cannot be written: " + folder.string() + " is not a folder");
   }
   if (std::filesystem::exists(resolved, error) &&
       !std::filesystem::is_regular_file(resolved, error)) {
-    throw FileError(path, "can not be written: it is not a regular file");
+    throw FileError(path, "cannot be written: it is not a regular file");
   }
   if (access(folder.c_str(), W_OK | X_OK) != 0) {
-    throw FileError(path, "can not be written: " + LastError());
+    throw FileError(path, "cannot be written: " + LastError());
   }
 }
 
@@ -131,7 +131,7 @@ void DieOfSignal(int signal) {
   std::raise(signal);
 }
 
-// Some folders say that they can be written, and can not, such as /proc.
+// Some folders say that they can be written, and cannot, such as /proc.
 void ExpectWritable(const std::filesystem::path& path) {
   const AtomicFile file(path);
 }
@@ -156,7 +156,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& path)
       RemoveTemporary(cleanup_slot_);
       if (error != EEXIST) {
         throw FileError(
-            path_, std::string("can not be written: ") + std::strerror(error));
+            path_, std::string("cannot be written: ") + std::strerror(error));
       }
     }
   }
@@ -187,7 +187,7 @@ void AtomicFile::Flush() {
     const ssize_t count = write(descriptor_, buffer_.data() + num_written,
                                 buffer_.size() - num_written);
     if (count < 0 && errno != EINTR) {
-      throw FileError(path_, "can not be written: " + LastError());
+      throw FileError(path_, "cannot be written: " + LastError());
     }
     num_written += count > 0 ? static_cast<size_t>(count) : 0;
   }
@@ -203,13 +203,13 @@ void AtomicFile::Sync() {
   const bool is_closed = close(descriptor_) == 0;
   descriptor_ = -1;
   if (!is_synced || !is_closed) {
-    throw FileError(path_, "can not be written: " + LastError());
+    throw FileError(path_, "cannot be written: " + LastError());
   }
 }
 
 void AtomicFile::Rename() {
   if (std::rename(temporary_path_.c_str(), path_.c_str()) != 0) {
-    throw FileError(path_, "can not be written: " + LastError());
+    throw FileError(path_, "cannot be written: " + LastError());
   }
   temporary_path_.clear();
 }

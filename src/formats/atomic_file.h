@@ -43,7 +43,7 @@ class AtomicFile {
   std::vector<char> buffer_;
 };
 
-// Files that belong together: if one of them can not be written, none appears.
+// Files that belong together: if one of them cannot be written, none appears.
 class AtomicFiles {
  public:
   // \throw FileError as AtomicFile
@@ -65,7 +65,7 @@ class AtomicFiles {
 // Writes a whole file.
 // \param together  to which it is added, for a Commit() later; nullptr: it
 //        appears at once
-// \throw FileError if it can not be written.
+// \throw FileError if it cannot be written.
 void WriteText(const std::filesystem::path& path, const std::string& text,
                AtomicFiles* together = nullptr);
 

@@ -30,7 +30,7 @@ ByteReader::ByteReader(const std::filesystem::path& path) : path_(path) {
   std::error_code error;
   size_ = std::filesystem::file_size(path, error);
   if (!file_ || error) {
-    throw FileError(path, "can not be read");
+    throw FileError(path, "cannot be read");
   }
   buffer_.resize(std::min<uint64_t>(kReadBufferSize, size_));
 }

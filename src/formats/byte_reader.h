@@ -51,7 +51,7 @@ class ByteReader {
   void Skip(uint64_t num_bytes, const char* what);
 
   // A count of things to come, each of which takes at least so many bytes.
-  // \throw FileError if the rest of the file can not hold as many.
+  // \throw FileError if the rest of the file cannot hold as many.
   uint64_t ReadCount(uint64_t min_bytes_each, const char* what);
 
   // \throw FileError if anything is left.

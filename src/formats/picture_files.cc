@@ -138,7 +138,7 @@ std::string EncodePng(const ColorImage& image) {
   std::string bytes(size, '\0');
   if (png_image_write_to_memory(&header, bytes.data(), &size, 0,
                                 image.pixels.data(), 0, nullptr) == 0) {
-    throw std::runtime_error("a picture can not be compressed");
+    throw std::runtime_error("a picture cannot be compressed");
   }
   bytes.resize(size);
   return bytes;

@@ -26,7 +26,7 @@ bool IsPictureCutOff(const std::filesystem::path& path);
 // \pre image.width > 0, image.height > 0
 std::string EncodePng(const ColorImage& image);
 
-// \throw FileError if the file can not be written.
+// \throw FileError if the file cannot be written.
 void WritePng(const std::filesystem::path& path, const ColorImage& image);
 
 }  // namespace colmap_ext

@@ -66,11 +66,11 @@ class PlyReader {
   void Skip(const PlyElement& element);
 
   // The length of a list.
-  // \throw FileError if the rest of the file can not hold as many.
+  // \throw FileError if the rest of the file cannot hold as many.
   uint64_t ReadLength(const PlyProperty& list);
 
   // \throw FileError if there are more of the element than max_count, or the
-  //        rest of the file can not hold them.
+  //        rest of the file cannot hold them.
   void ExpectRoomFor(const PlyElement& element,
                      uint64_t max_count = UINT64_MAX) const;
 

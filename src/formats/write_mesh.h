@@ -27,7 +27,7 @@ std::filesystem::path VisibilityPath(const std::filesystem::path& path);
 // \param transform  of the positions, homogeneous; they are double then, as the
 //        coordinates of maps need them
 // \param together  as WriteText()
-// \throw FileError if they can not be written.
+// \throw FileError if they cannot be written.
 void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh,
                const VertexAttributes& attributes,
                const std::optional<Eigen::Matrix4d>& transform = std::nullopt,
@@ -53,7 +53,7 @@ struct MeshLabels {
 // have no properties of their own, which COLMAP 4 does not read. Facets keep
 // their order; vertices of no facet are left out.
 // \param together  as WriteText()
-// \throw FileError if it can not be written.
+// \throw FileError if it cannot be written.
 void WriteLabeledMesh(const std::filesystem::path& path,
                       const TriangleMesh& mesh, const MeshLabels& labels,
                       AtomicFiles* together = nullptr);

@@ -155,13 +155,13 @@ std::string EglContext::TryPlatform(unsigned int platform, void* native) {
   display_ = eglGetPlatformDisplayEXT(platform, native, nullptr);
   if (display_ == EGL_NO_DISPLAY ||
       !eglInitialize(display_, nullptr, nullptr)) {
-    return "its EGL display can not be opened";
+    return "its EGL display cannot be opened";
   }
   const char* extensions = eglQueryString(display_, EGL_EXTENSIONS);
   if (!HasExtension(extensions, "EGL_KHR_surfaceless_context") ||
       !(HasExtension(extensions, "EGL_KHR_no_config_context") ||
         HasExtension(extensions, "EGL_MESA_configless_context"))) {
-    return "it can not do without a window";
+    return "it cannot do without a window";
   }
   context_ = CreateContext(display_);
   if (context_ == EGL_NO_CONTEXT) {
@@ -225,7 +225,7 @@ EglContext::Scope::Scope(void* display, void* context)
   eglBindAPI(EGL_OPENGL_API);
   if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) {
     throw GlError(
-        "OpenGL can not be used by this thread: the context is "
+        "OpenGL cannot be used by this thread: the context is "
         "current in another one");
   }
 }

@@ -74,7 +74,7 @@ Shader Compile(const std::string& name, const ShaderConstants& constants) {
 
 void GlBuffer::Resize(size_t num_bytes) {
   if (num_bytes != num_bytes_) {
-    // Those of no bytes can not be bound.
+    // Those of no bytes cannot be bound.
     glNamedBufferData(Name(), std::max<size_t>(num_bytes, 4), nullptr,
                       GL_DYNAMIC_COPY);
     ThrowOnGlError("A buffer");

@@ -129,7 +129,7 @@ void FacetDrawer::BeginImages(const View& view, FacetTextures* textures) {
   framebuffer_.Attach(GL_DEPTH_ATTACHMENT, textures->depths);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.Name());
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-    throw GlError("This OpenGL can not draw into images of numbers");
+    throw GlError("This OpenGL cannot draw into images of numbers");
   }
   glViewport(0, 0, view.width, view.height);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);

@@ -124,7 +124,7 @@ int64_t EnergyAround(const Tetrahedralization& tetrahedra,
 struct Candidate {
   Cells cells;
   std::vector<uint32_t> vertices;  // those that may be singular first
-  FlipChange change;               // first: what it can not be below
+  FlipChange change;               // first: what it cannot be below
   size_t place = 0;
 
   // Whether it is the better one, as far as its change is known.

@@ -41,7 +41,7 @@ struct FacetIdBuffer {
 // equally near ones the first. As graphics cards do, vertices are moved to the
 // nearest 1/256 of a pixel, so that no pixel falls between neighbors. Of facets
 // that reach behind the camera the part before it is drawn. Runs of facets that
-// the view can not show, outside its frustum or behind others, are passed over.
+// the view cannot show, outside its frustum or behind others, are passed over.
 // \param clusters  of the mesh.
 // \param min_cosine  see FacetIdBuffer::is_facing; in [0, 1).
 FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,

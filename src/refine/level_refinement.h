@@ -57,7 +57,7 @@ using OnLevelStep =
 //
 // At the finest level the visible surface is smoothed (ThinPlate).
 // Elsewhere, and at the coarser levels, only the motion of the level is
-// smoothed: coarse images can not distinguish fine relief from noise, and must
+// smoothed: coarse images cannot distinguish fine relief from noise, and must
 // not flatten it; and facets that are not compared follow their surroundings.
 // After two iterations at the finest level the smoothness aims at the part of
 // the input's relief that the refined surface shows too (ReliefShares()).

@@ -171,7 +171,7 @@ struct SmoothnessModel {
 
 // What the smoothness asks of a surface at the start of a level. At a coarse
 // level, and where the surface is not seen, that it keeps the relief that it
-// has: coarse images can not tell fine relief from noise, and must not flatten
+// has: coarse images cannot tell fine relief from noise, and must not flatten
 // it. Elsewhere that it has none.
 SmoothnessTarget FirstTarget(const SmoothnessDomain& domain,
                              const TriangleMesh& mesh, double weight);

@@ -12,7 +12,7 @@
 namespace colmap_ext {
 namespace {
 
-// Shorter edges count as this long, in footprints: they can not stiffen the
+// Shorter edges count as this long, in footprints: they cannot stiffen the
 // surface within a pixel, which the images average over.
 constexpr double kMinEdge = 0.5;
 

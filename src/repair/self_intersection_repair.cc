@@ -29,7 +29,7 @@ constexpr int kMaxRounds = 8;
 constexpr int kMaxUnfoldingRounds = 3;
 
 // A choice: more pairs in one cluster are two surfaces that run through each
-// other, which pairs by themselves can not separate.
+// other, which pairs by themselves cannot separate.
 constexpr size_t kMaxSinglePairs = 64;
 
 // Choices: of the work (GuardedMesh::Work), for each facet of the mesh, and

@@ -10,7 +10,7 @@
 
 namespace colmap_ext {
 
-// A coarse voxel mask of a part of space, to exclude rays that can not pass
+// A coarse voxel mask of a part of space, to exclude rays that cannot pass
 // through it: voxels of a box are marked if the part reaches into them.
 class RayMask {
  public:

@@ -310,7 +310,7 @@ std::vector<ImageOrder> OrdersToTry(const OrderQuestion& question,
   });
   if (orders.empty()) {
     throw FileError(question.visibility_path,
-                    fmt::format("can not count the images by {}: the model in "
+                    fmt::format("cannot count the images by {}: the model in "
                                 "sparse/ has no frames",
                                 NameOf(*wanted)),
                     Alternative::kOtherImageOrder);

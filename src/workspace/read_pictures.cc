@@ -24,7 +24,7 @@ GrayImage ReadMask(const fs::path& path, const View& view,
                    const PictureDecoder& decoder) {
   std::optional<GrayImage> mask = decoder.read_gray(path);
   if (!mask) {
-    throw FileError(path, "the mask can not be read");
+    throw FileError(path, "the mask cannot be read");
   }
   if (mask->width != view.width || mask->height != view.height) {
     throw FileError(
@@ -177,7 +177,7 @@ void FindUnreadable(const std::function<void(size_t view)>& read,
     try {
       read(i);
     } catch (const std::runtime_error&) {  // the caller lists the pictures
-      (*errors)[i] = "can not be read";
+      (*errors)[i] = "cannot be read";
     }
   });
 }
@@ -203,7 +203,7 @@ void ExpectPictures(const std::filesystem::path& images_path,
                     const std::vector<std::string>& errors) {
   if (CountErrors(errors) > 0) {
     throw FileError(images_path,
-                    "images can not be used, " + DescribeErrors(views, errors) +
+                    "images cannot be used, " + DescribeErrors(views, errors) +
                         "; run `colmap image_undistorter` again",
                     Alternative::kLeavePicturesOut);
   }
@@ -233,7 +233,7 @@ ReadGrayImage PictureReader(const std::filesystem::path& images_path,
     const std::filesystem::path path = images_path / views[view].name;
     std::optional<GrayImage> image = read(path);
     if (!image) {
-      throw FileError(path, "can not be read any more");
+      throw FileError(path, "cannot be read any more");
     }
     return *std::move(image);
   };

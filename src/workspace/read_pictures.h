@@ -21,7 +21,7 @@ std::filesystem::path FindMask(const std::filesystem::path& folder,
 // Reads masks at the size of their images: pixels of 0 are masked, all others
 // are 255. Images without a file have an empty mask.
 //
-// \throw FileError if no image has a mask; when a mask is read, if it can not
+// \throw FileError if no image has a mask; when a mask is read, if it cannot
 //        be, or is not of its image's size.
 ReadGrayImage MaskReader(const std::filesystem::path& folder,
                          const std::vector<View>& views,
@@ -61,7 +61,7 @@ void ExpectPictures(const std::filesystem::path& images_path,
 std::string DescribeErrors(const std::vector<View>& views,
                            const std::vector<std::string>& errors);
 
-// Takes the views whose pictures can not be used from the points, so that no
+// Takes the views whose pictures cannot be used from the points, so that no
 // pair of views is made of them. Views keep their indices.
 // \throw FileError if fewer than two are left.
 void RemoveUnusable(const std::filesystem::path& images_path,

@@ -100,7 +100,7 @@ class TextSource {
     ExpectRegularFile(path);
     file_.open(path);
     if (!file_) {
-      throw FileError(path, "can not be read");
+      throw FileError(path, "cannot be read");
     }
   }
 

@@ -288,7 +288,7 @@ void WriteSparseModel(const std::filesystem::path& folder,
   const bool is_new = !std::filesystem::exists(folder, ignored);
   std::filesystem::create_directories(folder, error);
   if (error || !std::filesystem::is_directory(folder, ignored)) {
-    throw FileError(folder, "the folder can not be made");
+    throw FileError(folder, "the folder cannot be made");
   }
   try {
     WriteFiles(folder, model);

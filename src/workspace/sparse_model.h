@@ -130,7 +130,7 @@ bool HasOneImageFrames(const SparseModel& model);
 // another COLMAP version is removed.
 // \pre the model was read in full, has pinhole cameras alone, and
 //      HasOneImageFrames()
-// \throw FileError if it can not be written: no file is changed then.
+// \throw FileError if it cannot be written: no file is changed then.
 void WriteSparseModel(const std::filesystem::path& folder,
                       const SparseModel& model);
 

@@ -64,7 +64,7 @@ std::string FitToPicture(const fs::path& path, const ViewRules& rules,
   const std::optional<PictureSize> size = FindPictureSize(path, decoder);
   if (!size) {
     ++result->num_missing_images;
-    return fs::exists(path) ? "can not be read" : "no such file";
+    return fs::exists(path) ? "cannot be read" : "no such file";
   }
   if (size->width == view->width && size->height == view->height) {
     return "";
@@ -275,7 +275,7 @@ Views ReadViews(const fs::path& dense_path, const SparseModel& model,
     if (!camera.has_focal_length) {
       throw FileError(
           dense_path,
-          fmt::format("camera {} is a panorama ({}), which can not be meshed; "
+          fmt::format("camera {} is a panorama ({}), which cannot be meshed; "
                       "cut it into pinhole images first",
                       image.camera_id, camera.model_name));
     }

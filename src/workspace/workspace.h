@@ -62,7 +62,7 @@ struct Views {
   // [views] size of each depth map over the size of its picture; 1 where there
   // is no depth map.
   std::vector<double> depth_map_scales;
-  // [views] why the picture can not be used: it is missing, can not be read,
+  // [views] why the picture cannot be used: it is missing, cannot be read,
   // or has not its camera's aspect, and the view has its camera's size then;
   // empty where nothing is wrong.
   std::vector<std::string> picture_errors;

@@ -217,9 +217,9 @@ TEST_P(CommandTest, RefusesMissingFilesAndLoopsOfLinks) {
 
 TEST_P(CommandTest, RefusesPlacesThatCanNotBeWrittenBeforeTheWork) {
   for (const char* output : {"/proc/mesh.ply", "/dev/null/mesh.ply", "/tmp"}) {
-    ExpectRefused(PathOption("output_path", output), "can not be written");
+    ExpectRefused(PathOption("output_path", output), "cannot be written");
   }
-  ExpectRefused(" --report_path /proc/page.html", "can not be written");
+  ExpectRefused(" --report_path /proc/page.html", "cannot be written");
 }
 
 // A limit on the size of files stands for a full disk.
@@ -257,10 +257,10 @@ TEST_P(CommandTest, RefusesReadOnlyWorkspaces) {
   if (geteuid() == 0) {  // who may write everywhere
     prefix_ = "setpriv --reuid=65534 --regid=65534 --clear-groups ";
     if (RunProgram("help").exit_code != 0) {
-      GTEST_SKIP() << "root can not run the program as another user here";
+      GTEST_SKIP() << "root cannot run the program as another user here";
     }
   }
-  ExpectRefused("", "can not be written");
+  ExpectRefused("", "cannot be written");
   fs::permissions(path_, fs::perms::owner_all);
 }
 

@@ -291,7 +291,7 @@ TEST_F(FacetwiseRefinerTest, ListsImagesThatCanNotBeUsed) {
   WriteFile(images / "0003.png", ppm);
   const Outcome refused = Refine();
   for (const char* text :
-       {"3 of 8", "0000.png no such file", "0002.png can not be read",
+       {"3 of 8", "0000.png no such file", "0002.png cannot be read",
         "0003.png is 100 x 120 pixels, but its camera is 160 x 120",
         "skip_missing_images"}) {
     ExpectRefusal(refused, text);
@@ -427,7 +427,7 @@ TEST_F(FacetwiseRefinerTest, RefusesPlacesThatCanNotBeWrittenBeforeTheWork) {
   for (const char* option : {"output_path", "report_path", "labels_path"}) {
     for (const char* place : {"/proc/file.ply", "/dev/null/file.ply"}) {
       ExpectRefused(" --" + std::string(option) + " " + std::string(place),
-                    "can not be written");
+                    "cannot be written");
     }
   }
 }

@@ -299,7 +299,7 @@ TEST_F(TiledRefinementTest, AFullDiskLosesNothing) {
   const auto [tile, undisturbed, files] = RefineTwoTiles();
   ExpectRefusal(
       RunShell("trap '' XFSZ; ulimit -f 16; " + CommandOf(Plan() + Tile(tile))),
-      "can not be written");
+      "cannot be written");
   RefineAgain(tile);
   EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
   EXPECT_EQ(List(plan_), files);

@@ -218,7 +218,7 @@ TEST_F(AtomicFileTest, RefusesPlacesThatCanNotBeWritten) {
        {path_ / "none" / "a", path_ / "file" / "a", path_ / "folder",
         fs::path("/proc/a"), path_ / std::string(300, 'a')}) {
     SCOPED_TRACE(path);
-    ExpectFileError("can not be written", [&] { AtomicFile file(path); });
+    ExpectFileError("cannot be written", [&] { AtomicFile file(path); });
   }
   EXPECT_THROW(ExpectWritable(path_ / "folder"), FileError);
   EXPECT_NO_THROW(ExpectWritable(path_ / "file"));

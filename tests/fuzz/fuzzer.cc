@@ -42,7 +42,7 @@ class MemoryFile {
     if (ftruncate(descriptor_, 0) != 0 ||
         pwrite(descriptor_, bytes.data(), bytes.size(), 0) !=
             static_cast<ssize_t>(bytes.size())) {
-      throw std::runtime_error("the file in memory can not be written");
+      throw std::runtime_error("the file in memory cannot be written");
     }
   }
 

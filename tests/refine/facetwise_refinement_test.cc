@@ -371,7 +371,7 @@ TEST_F(RefineFacetwiseTest, TrimsWhatNoViewSeesAndClosesIt) {
   }
 }
 
-// Two spheres, one just inside the other, whose needles can not be improved
+// Two spheres, one just inside the other, whose needles cannot be improved
 // everywhere without a crossing, and a third one far away.
 TEST(ImproveFacets, LeavesOnlyTheSurroundingsOfCrossingsAlone) {
   Random random(3);

@@ -52,7 +52,7 @@ TriangleMesh MakeRing() {
   });
 }
 
-// A loop that memory does not suffice for is not one that can not be closed,
+// A loop that memory does not suffice for is not one that cannot be closed,
 // whichever allocation fails.
 TEST(FillLoop, ThrowsWhereTheMemoryDoesNotSuffice) {
 #ifdef __SANITIZE_ADDRESS__

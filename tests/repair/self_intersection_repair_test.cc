@@ -133,7 +133,7 @@ TEST(RepairSelfIntersections, MovesCopiesApart) {
   }
 }
 
-// What local changes can not help stays no worse; so does any mesh.
+// What local changes cannot help stays no worse; so does any mesh.
 TEST(RepairSelfIntersections, NeverMakesMore) {
   Random random(2);
   const TriangleMesh sphere = MakeBumpySphere(0.15f);

@@ -124,7 +124,7 @@ TEST_F(WorkspaceTest, TellsWhichPicturesCanNotBeUsed) {
   const Workspace workspace = Read({.allow_other_sizes = true});
   ASSERT_EQ(workspace.picture_errors.size(), 7);
   EXPECT_EQ(workspace.picture_errors[2], "no such file");
-  EXPECT_EQ(workspace.picture_errors[6], "can not be read");
+  EXPECT_EQ(workspace.picture_errors[6], "cannot be read");
   EXPECT_TRUE(Has(workspace.picture_errors[1], "is 9 x 2 pixels"));
   EXPECT_EQ(workspace.views[1].width, 80) << "its camera's";
   for (const size_t i : {0, 3, 4, 5}) {

@@ -144,7 +144,7 @@ def pinhole_parameters(camera, size):
     size: width and height of the image in px."""
     (fx, skew, cx), (_, fy, cy) = camera.intrinsics[:2]
     if abs(skew) * size[1] / fy > MAX_SKEW_EFFECT:
-        raise ValueError(f"A skew of {skew:.3g} can not be kept.")
+        raise ValueError(f"A skew of {skew:.3g} cannot be kept.")
     return fx, fy, cx, cy
 
 

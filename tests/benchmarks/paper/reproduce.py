@@ -6,7 +6,7 @@
 
 Makes what is missing under WORK: a COLMAP workspace for each scene with the
 known cameras, its fused points (by a COLMAP with CUDA, or those of --fused),
-the meshes, their evaluation. What can not be computed is said and printed as
+the meshes, their evaluation. What cannot be computed is said and printed as
 '-'. See README.md for the layout of the data.
 """
 
@@ -56,7 +56,7 @@ def attempt(name, function, *arguments):
 
 def measure(colmap, workspace, setting, ablation, evaluator):
     """{"singular": (of the cut, after fixing), "figures": [...] or None} of
-    an ablation, computed once; None if it can not be."""
+    an ablation, computed once; None if it cannot be."""
     path = workspace / "results" / f"{setting}-{ablation}.json"
     can_evaluate = evaluate.EVALUATOR in colmap.commands
     if path.exists():
