@@ -10,6 +10,15 @@
 #include "mesh/normals.h"
 
 namespace colmap_ext {
+namespace {
+
+bool IsFoldedHalfEdge(const TriangleMesh& mesh,
+                      const std::vector<uint32_t>& partners, uint32_t half) {
+  return partners[half] != kNone &&
+         IsFoldedEdge(mesh, half / 3, partners[half] / 3);
+}
+
+}  // namespace
 
 void DropFixedPairs(const TriangleMesh& mesh, const FixedVertices& fixed,
                     std::vector<FacetPair>* pairs) {
@@ -29,8 +38,7 @@ std::vector<FacetPair> FoldsOf(const TriangleMesh& mesh,
   std::vector<FacetPair> folds;
   for (const uint32_t facet : facets) {
     for (uint32_t half = 3 * facet; half < 3 * facet + 3; ++half) {
-      if (partners[half] != kNone &&
-          IsFoldedEdge(mesh, facet, partners[half] / 3)) {
+      if (IsFoldedHalfEdge(mesh, partners, half)) {
         const auto [low, high] = std::minmax({facet, partners[half] / 3});
         folds.push_back({low, high});
       }
@@ -59,11 +67,6 @@ void GuardedMesh::FinishPairs(const std::vector<uint32_t>& facets,
   }
   SortUnique(pairs);
   DropFixedPairs(mesh_, fixed_, pairs);
-}
-
-bool GuardedMesh::IsFolded(uint32_t half) const {
-  return partners_[half] != kNone &&
-         IsFoldedEdge(mesh_, half / 3, partners_[half] / 3);
 }
 
 std::vector<FacetPair> GuardedMesh::Pairs() const {
@@ -150,7 +153,7 @@ GuardedMesh::Shape GuardedMesh::ShapeOf(
     shape.normals.push_back(FacetNormal(mesh_, facet));
     shape.is_folded.push_back(0);
     for (uint32_t half = 3 * facet; half < 3 * facet + 3; ++half) {
-      if (IsFolded(half)) {
+      if (IsFoldedHalfEdge(mesh_, partners_, half)) {
         shape.is_folded.back() = 1;
         // An edge between two of the facets counts twice, before and after.
         ++shape.num_folded_edges;

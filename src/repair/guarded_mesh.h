@@ -95,7 +95,6 @@ class GuardedMesh {
     std::vector<uint8_t> is_folded;        // [facets]
     size_t num_folded_edges = 0;
   };
-  bool IsFolded(uint32_t half) const;
   Shape ShapeOf(const std::vector<uint32_t>& facets) const;
   static bool TurnsOver(const Shape& before, const Shape& after);
 

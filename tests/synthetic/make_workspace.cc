@@ -52,22 +52,22 @@ void AddCameraOptions(CameraOptions* camera, CommandOptions* options) {
                          camera->jpeg_quality = 90;
                        }}},
                      0,
-                     "photo sets the options from defocus to jpeg_quality, as "
-                     "of photographs; those that are given have priority");
+                     "Preset of defocus, vignetting, has_mosaic, sharpening "
+                     "and jpeg_quality; options that are given have priority");
   options->Add("defocus", &camera->defocus, {0, 20},
-               "[px] Deviation of the lens' blur");
+               "[px] Standard deviation of the lens blur");
   options->Add("vignetting", &camera->vignetting, {0, 1},
-               "Share of the light that corners lack");
+               "Share of the light lost at the corners");
   options->Add("sensor_noise", &camera->sensor_noise, {0, 100},
                "[1/255] Of the images in the dark");
   options->Add("photon_noise", &camera->photon_noise, {0, 100},
                "[1/255] Added in full light");
   options->Add("has_mosaic", &camera->has_mosaic,
-               "One color per pixel, the others interpolated");
+               "Simulate a Bayer mosaic and its interpolation");
   options->Add("sharpening", &camera->sharpening, {0, 5},
-               "Weight of the details that are added");
+               "Weight of the unsharp mask");
   options->Add("jpeg_quality", &camera->jpeg_quality, {0, 100},
-               "0: without loss");
+               "Of the JPEG compression; 0: lossless");
 }
 
 void AddPointOptions(DenseSceneOptions* scene, CommandOptions* options) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include <tbb/parallel_for.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -33,7 +34,7 @@ void Darken(double vignetting, cv::Mat* picture) {
 }
 
 void AddNoise(const CameraOptions& options, uint64_t hash, cv::Mat* picture) {
-  for (int row = 0; row < picture->rows; ++row) {
+  tbb::parallel_for(0, picture->rows, [&](int row) {
     for (int col = 0; col < picture->cols; ++col) {
       const size_t index = static_cast<size_t>(row) * picture->cols + col;
       const uint64_t of_pixel = Hash(hash, index);
@@ -47,7 +48,7 @@ void AddNoise(const CameraOptions& options, uint64_t hash, cv::Mat* picture) {
             static_cast<float>(ideal + deviation * Gaussian(Hash(of_pixel, i)));
       }
     }
-  }
+  });
 }
 
 // Keeps red, green or blue of each pixel, and interpolates the others.
@@ -154,12 +155,8 @@ ColorImage TakePhotograph(const RadianceImage& radiance,
   image.width = radiance.width;
   image.height = radiance.height;
   image.pixels.resize(radiance.pixels.size());
-  for (size_t i = 0; i < image.pixels.size(); ++i) {
-    for (int k = 0; k < 3; ++k) {
-      image.pixels[i][k] = cv::saturate_cast<uint8_t>(
-          reinterpret_cast<const cv::Vec3f*>(picture.data)[i][k]);
-    }
-  }
+  cv::Mat bytes(picture.size(), CV_8UC3, image.pixels.data());
+  picture.convertTo(bytes, CV_8U);
   return image;
 }
 

@@ -1,8 +1,5 @@
 #include "tests/synthetic/dense_scene.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
