@@ -31,18 +31,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What brings poses closer that are too inaccurate.
-std::string HowToAlign(const RefinementInput& input) {
-  if (HasOneImageFrames(input.sparse_model)) {
-    return "Let --FacetwiseRefinement.refine_cameras poses align them";
-  }
-  return fmt::format(
-      "Cameras of rigs are not refined here: refine them by `mkdir SPARSE && "
-      "colmap bundle_adjuster --input_path {} --output_path SPARSE`, and take "
-      "--sparse_path SPARSE",
-      input.workspace.sparse_path.string());
-}
-
 // Writes a mesh whose faces are coloured by the pair of views that is best for
 // each (formats/write_mesh.h), and a picture of the same, PNG.
 void WriteLabels(const std::filesystem::path& path,
@@ -96,7 +84,7 @@ class Refiner {
     Print(refined);
     WritePage(refined.report.steps, pictures, &files);
     Commit(refined, &files);
-    PrintFiles(refined.report);
+    PrintFiles(refined.alignment.IsRefined());
   }
 
  private:
@@ -161,14 +149,14 @@ class Refiner {
   // and have only to get their names.
   void Commit(const RefinedMesh& refined, AtomicFiles* files) {
     files->Sync();
-    if (!refined.report.cameras.empty()) {
+    if (refined.alignment.IsRefined()) {
       WriteSparseModel(
           paths_.refined_sparse,
           WithRefinedCameras(
               std::move(input_.sparse_model),
               input_.workspace.order.order.images, refined.views,
               input_.camera_parts == RefinedParts::kPosesIntrinsics,
-              refined.track_positions));
+              refined.alignment.track_positions));
     }
     files->Commit();
     run_.RemoveFiles();
@@ -179,7 +167,6 @@ class Refiner {
   void WriteReport(const RefinementReport& report, AtomicFiles* files) const {
     if (HasReport()) {
       WriteText(options_.StepsPath(), StepsCsv(report.steps), files);
-      WriteText(options_.PlotPath(), StepsPlot(report.steps), files);
     }
   }
 
@@ -203,16 +190,16 @@ class Refiner {
       PrintWarning(
           fmt::format("the camera poses are too inaccurate ({:.2f} px): the "
                       "mesh was not refined, and is written unchanged. {}",
-                      refined.report.misalignment->by_cameras,
-                      HowToAlign(input_)),
+                      refined.alignment.misalignment->by_cameras,
+                      HasOneImageFrames(input_.sparse_model)
+                          ? "Let --FacetwiseRefinement.refine_cameras poses "
+                            "align them"
+                          : "Align its rigs by `colmap bundle_adjuster`, and "
+                            "take its --output_path as --sparse_path"),
           log_);
     }
-    if (refined.report.misalignment) {
-      PrintReport(*refined.report.misalignment, refined.views, log_);
-    }
-    if (!refined.report.cameras.empty()) {
-      PrintReport(refined.report.cameras.back(), refined.views, log_);
-    } else {
+    PrintReport(refined.alignment, refined.views, log_);
+    if (!refined.alignment.IsRefined()) {
       PrintSameCameras();
     }
     console_.PrintTime();
@@ -231,8 +218,7 @@ class Refiner {
     }
   }
 
-  void PrintFiles(const RefinementReport& report) const {
-    const bool has_cameras = !report.cameras.empty();
+  void PrintFiles(bool has_cameras) const {
     std::cout << "\nWrote " << paths_.output.string()
               << (has_cameras ? ", " : " and ")
               << VisibilityPath(paths_.output).string();
@@ -267,8 +253,7 @@ void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
   ExpectOutputs(
       {output, VisibilityPath(output), StatePath(output),
        options.scene.region.FoundPath(output), options.StepsPath(),
-       options.PlotPath(), options.PagePath(), options.labels_path,
-       options.LabelsPicturePath()},
+       options.PagePath(), options.labels_path, options.LabelsPicturePath()},
       WorkspaceInputs(
           paths.folder, paths.fused, options.sparse_path,
           {paths.mesh, VisibilityPath(paths.mesh), options.scene.mask_path,
@@ -306,7 +291,7 @@ void Refine(const RefinerOptions& options, Console* console) {
   } else if (options.tile >= 0) {
     RefineTile(options, ColmapPictureDecoder(), console);
   } else {
-    PlanRefinement(options, console);
+    PlanRefinement(options, ColmapPictureDecoder(), console);
   }
 }
 

@@ -36,7 +36,12 @@ void Merge(const MergerOptions& options, Console* console) {
   }
   console->PrintTime();
   std::cout << "\nWrote " << options.output_path << " and "
-            << VisibilityPath(options.output_path).string() << std::endl;
+            << VisibilityPath(options.output_path).string();
+  if (const auto sparse = RefinedSparsePath(options.plan_path);
+      options.is_refined && std::filesystem::exists(sparse)) {
+    std::cout << ", which belong to the cameras " << sparse.string();
+  }
+  std::cout << std::endl;
 }
 
 }  // namespace

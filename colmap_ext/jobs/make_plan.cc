@@ -91,6 +91,7 @@ class Planner {
       inputs.options.erase(name);
     }
     inputs.options["num_tiles"] = std::to_string(num_tiles_);
+    plan_.sparse_path = SparsePath();
     inputs.AddFiles(Files());
     if (!masks.empty()) {
       inputs.options["masks"] = HashOfMasks(masks);
@@ -99,19 +100,23 @@ class Planner {
     plan_.Identify();
   }
 
-  // All that the plan is made of, except the masks.
-  std::vector<fs::path> Files() const {
+  fs::path SparsePath() const {
     const MesherOptions& mesher = options_.mesher;
-    const fs::path sparse = FindSparseFolder(
+    return fs::absolute(FindSparseFolder(
         mesher.workspace.sparse_path.empty()
             ? FindDenseFolder(mesher.InputPath(), mesher.workspace)
-            : mesher.workspace.sparse_path);
+            : mesher.workspace.sparse_path));
+  }
+
+  // All that the plan is made of, except the masks.
+  std::vector<fs::path> Files() const {
+    const std::string& region = options_.mesher.scene.region.text;
     std::vector<fs::path> files = {files_.path, files_.visibility_path};
-    for (const auto& entry : fs::directory_iterator(sparse)) {
+    for (const auto& entry : fs::directory_iterator(plan_.sparse_path)) {
       files.push_back(entry.path());
     }
-    if (fs::exists(mesher.scene.region.text)) {
-      files.emplace_back(mesher.scene.region.text);
+    if (fs::exists(region)) {
+      files.emplace_back(region);
     }
     return files;
   }

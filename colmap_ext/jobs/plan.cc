@@ -66,7 +66,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr int kVersion = 6;  // of both files
+constexpr int kVersion = 7;  // of both files
 
 constexpr char kPlanAgain[] = "run mesh_planner";
 constexpr char kPlanRefinementAgain[] =
@@ -287,8 +287,13 @@ fs::path RefinementPlanPath(const fs::path& folder) {
   return folder / "refine.json";
 }
 
+fs::path RefinedSparsePath(const fs::path& folder) {
+  return folder / "sparse-refined";
+}
+
 void WritePlan(const Plan& plan) {
   Json json = {{"workspace", plan.workspace_path.string()},
+               {"sparse", plan.sparse_path.string()},
                {"inputs", plan.inputs},
                {"distance_sigma", plan.distance_sigma},
                {"views", plan.views},
@@ -302,7 +307,10 @@ void WritePlan(const Plan& plan) {
 
 void WritePlan(const RefinementPlan& plan) {
   WriteJson(RefinementPlanPath(plan.folder),
-            {{"inputs", plan.inputs}, {"tiles", plan.tiles}});
+            {{"inputs", plan.inputs},
+             {"views", plan.views},
+             {"has_refined_cameras", plan.has_refined_cameras},
+             {"tiles", plan.tiles}});
 }
 
 Plan ReadPlan(const fs::path& folder) {
@@ -310,6 +318,7 @@ Plan ReadPlan(const fs::path& folder) {
     Plan plan;
     plan.folder = folder;
     plan.workspace_path = std::string(json.at("workspace"));
+    plan.sparse_path = std::string(json.at("sparse"));
     plan.inputs = json.at("inputs");
     plan.Identify();
     plan.distance_sigma = json.at("distance_sigma");
@@ -339,6 +348,8 @@ RefinementPlan ReadRefinementPlan(const Plan& plan) {
       ReadJson(path, kPlanRefinementAgain, [&](const Json& json) {
         RefinementPlan refinement;
         refinement.inputs = json.at("inputs");
+        refinement.views = json.at("views").get<std::vector<View>>();
+        refinement.has_refined_cameras = json.at("has_refined_cameras");
         refinement.tiles = json.at("tiles").get<std::vector<RefinementTile>>();
         return refinement;
       });

@@ -31,6 +31,7 @@ struct PlannedTile {
 struct Plan {
   std::filesystem::path folder;  // where the plan lies
   std::filesystem::path workspace_path;
+  std::filesystem::path sparse_path;  // folder of the sparse model
   JobInputs inputs;
   uint64_t identity = 0;         // of the inputs
   double distance_sigma = 0;     // scene units
@@ -66,6 +67,8 @@ struct RefinementPlan {
   std::filesystem::path folder;  // of the plan
   JobInputs inputs;              // files by their paths
   uint64_t identity = 0;         // of the inputs and the plan
+  std::vector<View> views;       // the plan's, maybe with refined cameras
+  bool has_refined_cameras = false;
   std::vector<RefinementTile> tiles;
 
   // Sets the folder and the identity.
@@ -85,6 +88,7 @@ struct RefinementPlan {
 // Files in a plan's folder.
 std::filesystem::path PlanPath(const std::filesystem::path& folder);
 std::filesystem::path RefinementPlanPath(const std::filesystem::path& folder);
+std::filesystem::path RefinedSparsePath(const std::filesystem::path& folder);
 
 // \throw FileError if it cannot be written
 void WritePlan(const Plan& plan);

@@ -146,8 +146,7 @@ void Identify(const fs::path& mesh_path, const RefinerOptions& options,
     inputs.push_back(ImagesPath(plan) / view.name);
   }
   const fs::path masks = plan.Options().mesher.scene.mask_path;
-  if (!masks.empty()) {
-    MaskReader(masks, plan.views, {});  // throws if there are none
+  if (MasksOf(plan, {})) {  // throws if there are none
     for (const View& view : plan.views) {
       inputs.push_back(FindMask(masks, view.name));
     }
@@ -160,8 +159,11 @@ void Identify(const fs::path& mesh_path, const RefinerOptions& options,
 // One that cannot be read is made again.
 bool IsThere(const Plan& plan, const RefinementPlan& refinement) {
   try {
-    return ReadRefinementPlan(plan).identity == refinement.identity &&
-           SurfaceFile(refinement).Exists();
+    const RefinementPlan read = ReadRefinementPlan(plan);
+    return read.identity == refinement.identity &&
+           SurfaceFile(refinement).Exists() &&
+           read.has_refined_cameras ==
+               fs::exists(RefinedSparsePath(plan.folder));
   } catch (const FileError&) {
     return false;
   }
@@ -169,8 +171,10 @@ bool IsThere(const Plan& plan, const RefinementPlan& refinement) {
 
 // \param refinement  identified
 void WriteRefinementPlan(const RefinerOptions& options, const Plan& plan,
-                         const Progress& progress, RefinementPlan* refinement) {
+                         const PictureDecoder& decoder, Console* console,
+                         RefinementPlan* refinement) {
   const fs::path mesh_path = options.input_path;
+  const Progress& progress = console->progress;
   Report(progress, "Reading the mesh", 0);
   const Surface surface = ReadMerged(mesh_path, plan);
   if (!IsOfPlan(FilePlan(plan).Blocks(), surface.mesh)) {
@@ -178,6 +182,8 @@ void WriteRefinementPlan(const RefinerOptions& options, const Plan& plan,
                     "does not lie where the points of the plan do: it belongs "
                     "to another one");
   }
+  fs::remove_all(RefinedSparsePath(plan.folder));
+  RefineCameras(options, plan, decoder, console, surface, refinement);
   Report(progress, "Colouring the tiles", 0);
   refinement->tiles = PlanTiles(surface, plan, options);
   Report(progress, "Writing the plan", 0);
@@ -218,17 +224,18 @@ void PrintPlan(const RefinementPlan& plan, ReportLog* log) {
   PrintText("  and each thread", fmt::format("{:.2f} GB", of_thread), log);
   PrintText("time, all tiles",
             fmt::format("{:.2f} h of a core", seconds / 3600), log);
-  PrintText("cameras", "as they are: tiles do not refine them", log);
+  PrintText("cameras",
+            plan.has_refined_cameras
+                ? "refined, " + RefinedSparsePath(plan.folder).string()
+                : "as they are",
+            log);
   PrintCommands(plan);
 }
 
 }  // namespace
 
-fs::path ImagesPath(const Plan& plan) {
-  return FindUndistortedFolder(plan.workspace_path) / "images";
-}
-
-void PlanRefinement(const RefinerOptions& options, Console* console) {
+void PlanRefinement(const RefinerOptions& options,
+                    const PictureDecoder& decoder, Console* console) {
   const fs::path folder = options.plan_path;
   const fs::path mesh_path = options.input_path;
   const Plan plan = ReadPlan(folder);
@@ -243,7 +250,7 @@ void PlanRefinement(const RefinerOptions& options, Console* console) {
   if (is_kept) {
     refinement = ReadRefinementPlan(plan);
   } else {
-    WriteRefinementPlan(options, plan, console->progress, &refinement);
+    WriteRefinementPlan(options, plan, decoder, console, &refinement);
   }
   console->reporter.Finish();
   if (is_kept) {
@@ -303,7 +310,7 @@ RefinedMesh MergeRefined(const fs::path& folder, const Progress& progress) {
   }
   refined.origins = refined.mesh.vertices;
   refined.labels.labels = Rows<uint32_t>(refined.mesh.facets.size());
-  refined.views = plan.views;
+  refined.views = refinement.views;
   FinishRefinement(options.refinement, progress, &refined);
   return refined;
 }

@@ -119,7 +119,7 @@ SurfacePart GatherPart(const TileJob& job, const Eigen::AlignedBox3f& target,
                        const SurfaceStore& store) {
   std::vector<Eigen::Vector3f> centers;
   for (const uint32_t view : views) {
-    centers.emplace_back(job.plan.views[view].Center().cast<float>());
+    centers.emplace_back(job.refinement.views[view].Center().cast<float>());
   }
   return SplitPart(
       GatherSurface(store, job.before, [&](const Eigen::AlignedBox3f& box) {
@@ -143,8 +143,9 @@ ReadGrayImage TileMasks(const TileJob& job, const std::vector<uint32_t>& views,
       ExpectSame(job.refinement, mask);
     }
   }
-  return [read = MaskReader(folder, job.plan.views, decoder),
-          views](size_t view) { return read(views[view]); };
+  return [read = MasksOf(job.plan, decoder), views](size_t view) {
+    return read(views[view]);
+  };
 }
 
 // Of what the job starts from: lower colours may have been refined again, by
@@ -169,7 +170,7 @@ TileInput ReadTileInput(const TileJob& job, const RefinerOptions& options,
   tile.part = GatherPart(job, box, tile.views, store);
   RefinementInput& input = tile.input;
   for (const uint32_t view : tile.views) {
-    input.views.push_back(job.plan.views[view]);
+    input.views.push_back(job.refinement.views[view]);
   }
   input.mesh = tile.part.mesh;
   input.attributes = tile.part.attributes;

@@ -13,16 +13,27 @@
 namespace colmap_ext {
 
 // Plans how the mesh of a plan, options.input_path, is refined tile by tile:
-// copies it into the plan's folder, in blocks that jobs read where they need
-// them, and gives tiles colours. Holds the mesh. Prints the commands of the
-// jobs.
+// refines the cameras by it if they are to be, copies it into the plan's
+// folder, in blocks that jobs read where they need them, and gives tiles
+// colours. Holds the mesh. Prints the commands of the jobs.
 // \pre the mesh is as mesh_merger has written it, with its .vis
 // \throw FileError if a file is missing, damaged, or of another plan, or
 //        cannot be written, or where another planner is at work
-void PlanRefinement(const RefinerOptions& options, Console* console);
+void PlanRefinement(const RefinerOptions& options,
+                    const PictureDecoder& decoder, Console* console);
 
-// Where a plan's pictures lie.
+// Where a plan's pictures lie, and its masks; none if it has none.
+// \throw FileError if no image has a mask
 std::filesystem::path ImagesPath(const Plan& plan);
+ReadGrayImage MasksOf(const Plan& plan, const PictureDecoder& decoder);
+
+// Sets the cameras of a plan's refinement: those of the plan or, if that is
+// asked for and they need it, refined by the surface as it is. These are also
+// written, as a sparse model.
+// \throw FileError if the sparse model or a picture cannot be used
+void RefineCameras(const RefinerOptions& options, const Plan& plan,
+                   const PictureDecoder& decoder, Console* console,
+                   const Surface& surface, RefinementPlan* refinement);
 
 // \throw FileError if one of the tiles is not refined
 void ExpectRefined(const RefinementPlan& plan,

@@ -188,13 +188,11 @@ std::shared_ptr<const RefinableCameras> MakeRefinableCameras(
   return cameras;
 }
 
-// The sparse model with its tracks. Where the cameras are not refined, it tells
-// how well they are aligned.
-void ReadRefinedCameras(const RefinerOptions& options, const Progress& progress,
-                        RefinementInput* input) {
-  Report(progress, "Reading the sparse model", 0);
-  input->sparse_model =
-      ReadSparseModel(input->workspace.sparse_path, SparseDetail::kAll);
+}  // namespace
+
+void SetSparseModel(const RefinerOptions& options, SparseModel model,
+                    RefinementInput* input) {
+  input->sparse_model = std::move(model);
   input->camera_parts = options.refinement.cameras.parts;
   if (input->camera_parts != RefinedParts::kNothing &&
       !HasOneImageFrames(input->sparse_model)) {
@@ -208,8 +206,6 @@ void ReadRefinedCameras(const RefinerOptions& options, const Progress& progress,
   }
   input->cameras = MakeRefinableCameras(*input);
 }
-
-}  // namespace
 
 Surface ReadSurface(const fs::path& path, bool has_visibility,
                     const VisibilityOwner& owner) {
@@ -338,7 +334,10 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
       options, paths.folder / "images",
       masks.empty() ? ReadGrayImage() : MaskReader(masks, input.views, decoder),
       decoder, &input);
-  ReadRefinedCameras(options, progress, &input);
+  Report(progress, "Reading the sparse model", 0);
+  SetSparseModel(
+      options, ReadSparseModel(input.workspace.sparse_path, SparseDetail::kAll),
+      &input);
   return input;
 }
 

@@ -83,6 +83,14 @@ void ReadPictures(const RefinerOptions& options,
                   const ReadGrayImage& read_mask, const PictureDecoder& decoder,
                   RefinementInput* input);
 
+// Adds the sparse model, by whose tracks cameras are refined. Where they are
+// not, it tells how well they are aligned.
+// \param model  read in full
+// \pre the input has its views, images, and the order of the images
+// \throw FileError if rigs are to be refined
+void SetSparseModel(const RefinerOptions& options, SparseModel model,
+                    RefinementInput* input);
+
 // Reads the mesh with its .vis, the cameras, and the fused points, and reads
 // all pictures once to see that they can be read.
 //

@@ -99,34 +99,21 @@ RefinementBackend MakeBackend(const RefinerOptions& options,
 }
 
 JobFile StateFile(const fs::path& output) {
-  return {StatePath(output), {"CESTATE1", "start without --resume"}, 0};
+  return {StatePath(output), {"CESTATE2", "start without --resume"}, 0};
 }
 
-// The parameters of a view that the refinement changes.
-struct Camera {
-  double fx, fy, cx, cy;
-  Eigen::Matrix3d rotation;
-  Eigen::Vector3d translation;
-};
-static_assert(sizeof(Camera) == 16 * sizeof(double));
-
-std::vector<Camera> CamerasOf(const std::vector<View>& views) {
-  std::vector<Camera> cameras;
-  for (const View& view : views) {
-    cameras.push_back({view.fx, view.fy, view.cx, view.cy,
-                       view.cam_from_world_rotation,
-                       view.cam_from_world_translation});
+// Calls function(number) for those of a view that the refinement changes.
+template <typename AnyView, typename Function>
+void ForEachCameraNumber(AnyView* view, const Function& function) {
+  for (auto* number : {&view->fx, &view->fy, &view->cx, &view->cy}) {
+    function(*number);
   }
-  return cameras;
-}
-
-void SetCamera(const Camera& camera, View* view) {
-  view->fx = camera.fx;
-  view->fy = camera.fy;
-  view->cx = camera.cx;
-  view->cy = camera.cy;
-  view->cam_from_world_rotation = camera.rotation;
-  view->cam_from_world_translation = camera.translation;
+  for (auto& number : view->cam_from_world_rotation.reshaped()) {
+    function(number);
+  }
+  for (auto& number : view->cam_from_world_translation) {
+    function(number);
+  }
 }
 
 // Names and values, each with a null character behind it.
@@ -164,18 +151,28 @@ void ExpectManifold(const TriangleMesh& mesh) {
 void WriteState(const fs::path& output, const JobInputs& inputs, int level,
                 const RefinedMesh& state, const RefinementReport& report) {
   ExpectManifold(state.mesh);
+  const CameraAlignment& alignment = state.alignment;
   const Misalignment misalignment =
-      report.misalignment.value_or(Misalignment());
+      alignment.misalignment.value_or(Misalignment());
+  const CameraRefinementReport refined = alignment.IsRefined()
+                                             ? alignment.refinements.back()
+                                             : CameraRefinementReport();
   const VertexAttributes& attributes = state.attributes;
+  std::vector<double> cameras;
+  for (const View& view : state.views) {
+    ForEachCameraNumber(&view,
+                        [&](double number) { cameras.push_back(number); });
+  }
   WriteJobFile(
       StateFile(output), ValuesText(inputs.options), ValuesText(inputs.files),
       level, state.mesh.vertices, state.mesh.facets, attributes.colors,
       attributes.views, attributes.confidences, state.origins,
-      state.fixed_sources, CamerasOf(state.views),
-      report.misalignment.has_value(), misalignment.by_cameras,
-      misalignment.of_surface, misalignment.by_view, report.num_shortened_steps,
-      report.num_unconverged_solutions, report.num_flipped_facets,
-      report.num_removed_self_intersections, report.labelings, report.steps);
+      state.fixed_sources, cameras, alignment.misalignment.has_value(),
+      misalignment.by_cameras, misalignment.of_surface, misalignment.by_view,
+      alignment.track_positions, refined.track_sigma, refined.views,
+      report.num_shortened_steps, report.num_unconverged_solutions,
+      report.num_flipped_facets, report.num_removed_self_intersections,
+      report.labelings, report.steps);
 }
 
 int ReadState(const fs::path& output, const JobInputs& inputs,
@@ -191,9 +188,10 @@ int ReadState(const fs::path& output, const JobInputs& inputs,
                                          state_file.kind.what_to_do);
   }
   int level = 0;
-  std::vector<Camera> cameras;
+  std::vector<double> cameras;
   bool has_misalignment = false;
   Misalignment misalignment;
+  CameraRefinementReport refined;
   VertexAttributes& attributes = state->attributes;
   RefinementReport& report = state->report;
   file.ReadFrom(
@@ -201,14 +199,20 @@ int ReadState(const fs::path& output, const JobInputs& inputs,
       &attributes.views, &attributes.confidences, &state->origins,
       &state->fixed_sources, &cameras, &has_misalignment,
       &misalignment.by_cameras, &misalignment.of_surface, &misalignment.by_view,
+      &state->alignment.track_positions, &refined.track_sigma, &refined.views,
       &report.num_shortened_steps, &report.num_unconverged_solutions,
       &report.num_flipped_facets, &report.num_removed_self_intersections,
       &report.labelings, &report.steps);
   if (has_misalignment) {
-    report.misalignment = std::move(misalignment);
+    state->alignment.misalignment = std::move(misalignment);
   }
-  for (size_t i = 0; i < state->views.size(); ++i) {
-    SetCamera(cameras.at(i), &state->views[i]);
+  if (!refined.views.empty()) {
+    state->alignment.refinements = {std::move(refined)};
+  }
+  size_t next = 0;
+  for (View& view : state->views) {
+    ForEachCameraNumber(&view,
+                        [&](double& number) { number = cameras.at(next++); });
   }
   return level;
 }
@@ -232,6 +236,7 @@ void ResumableRefinement::Resume(RefinementInput* input) {
   level_ = ReadState(output_, inputs, &state);
   input->views = std::move(state.views);
   earlier_ = std::move(state.report);
+  alignment_ = std::move(state.alignment);
   Surface& surface = *input;
   surface = std::move(state);
   PrintText("continues after",
@@ -278,8 +283,7 @@ RefinedMesh ResumableRefinement::Run(RefinementInput* input) {
   RefinedMesh refined = RefineFacetwise(
       method,
       {std::move(surface), (level_ > 0 ? level_ : method.levels) - 1,
-       input->has_fused_points, input->cameras, earlier_.misalignment,
-       input->is_part},
+       input->has_fused_points, input->cameras, alignment_, input->is_part},
       input->views, input->points, backend.energy.get(), hooks);
   signal_ = StopSignal::Received();
   refined.report = WithEarlier(std::move(refined.report));

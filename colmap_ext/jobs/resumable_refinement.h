@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/jobs/refinement_input.h"
@@ -16,8 +17,8 @@ namespace colmap_ext {
 std::filesystem::path StatePath(const std::filesystem::path& output);
 
 // \param level  the last one that is complete, 1 or more.
-// \param report  of this run and those before it: steps, labelings, counts and
-//        misalignment are written.
+// \param report  of this run and those before it: steps, labelings and counts
+//        are written.
 // \throw FileError if it cannot be written; std::logic_error if the mesh is
 //        not manifold.
 void WriteState(const std::filesystem::path& output, const JobInputs& inputs,
@@ -85,7 +86,8 @@ class ResumableRefinement {
   bool is_part_ = false;
   int level_ = 0;
   int signal_ = 0;
-  RefinementReport earlier_;  // of the run that is resumed
+  RefinementReport earlier_;                  // of the run that is resumed
+  std::optional<CameraAlignment> alignment_;  // by the run that is resumed
 };
 
 }  // namespace colmap_ext

@@ -21,10 +21,6 @@ void CheckPaths(const RefinerOptions& options) {
   RefuseIf(options.workspace_path.empty(), "--workspace_path is required");
   RefuseIf(!options.input_path.empty() && options.output_path.empty(),
            "--output_path is required with --input_path");
-  RefuseIf(
-      options.PlotPath() == options.report_path && !options.report_path.empty(),
-      "--report_path is a page, .html, or a CSV; the plot of the same name "
-      "ends in .svg");
   RefuseIf(options.LabelsPicturePath() == options.labels_path &&
                !options.labels_path.empty(),
            "--labels_path is a PLY; the picture of the same name ends in .png");
@@ -52,11 +48,6 @@ void CheckPlan(const RefinerOptions& options) {
             : "--plan_path needs --tile, or --input_path, the plan's mesh, to "
               "plan its refinement");
   }
-  RefuseIf(options.refine_cameras.value_or(RefinedParts::kNothing) !=
-               RefinedParts::kNothing,
-           "cameras are not refined in tiles: refine them before, without "
-           "--plan_path, and plan by mesh_planner --sparse_path "
-           "WORKSPACE/sparse-refined");
 }
 
 void AddPathOptions(CommandOptions* options, RefinerOptions* refiner) {
@@ -70,8 +61,8 @@ void AddPathOptions(CommandOptions* options, RefinerOptions* refiner) {
                "Refined mesh to write; required with input_path. Default: "
                "WORKSPACE/meshed-refined.ply");
   options->Add("report_path", &refiner->report_path,
-               "Write a report: NAME.html (page), NAME.csv (iterations) and "
-               "NAME.svg (plot). Give NAME.html or NAME.csv");
+               "Write a report: NAME.html (page) and NAME.csv (iterations). "
+               "Give either name");
   options->Add("resume", &refiner->resume,
                "Continue an interrupted run from its last complete level");
   options->Add("viewer", &refiner->viewer,
@@ -133,9 +124,10 @@ void AddBasicOptions(CommandOptions* options, RefinerOptions* refiner) {
                     {"none", RefinedParts::kNothing},
                     {"poses", RefinedParts::kPoses},
                     {"poses_intrinsics", RefinedParts::kPosesIntrinsics}},
-                   "Camera parameters to refine with the surface, written to "
-                   "WORKSPACE/sparse-refined. auto: poses, only if the images "
-                   "are misaligned, and not for rigs");
+                   "Camera parameters to refine before the surface, written to "
+                   "WORKSPACE/sparse-refined, of a plan to "
+                   "PLAN/sparse-refined. auto: poses, only if the images are "
+                   "misaligned, and not for rigs");
   options->Add(ours + "min_confidence", &refiner->min_confidence,
                {0, 1, kAutoTrim, "auto"},
                "Remove faces with a lower confidence; 0: keep all. auto: 0.2, "
@@ -272,10 +264,6 @@ void RefinerOptions::ChooseTrim(bool has_fused_points) {
 fs::path RefinerOptions::StepsPath() const {
   return report_path == PagePath() ? WithExtension(report_path, ".csv")
                                    : fs::path(report_path);
-}
-
-fs::path RefinerOptions::PlotPath() const {
-  return WithExtension(report_path, ".svg");
 }
 
 fs::path RefinerOptions::PagePath() const {

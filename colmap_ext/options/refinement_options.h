@@ -61,7 +61,6 @@ struct RefinerOptions {
 
   // Paths of written files; empty if the option is.
   std::filesystem::path StepsPath() const;  // CSV
-  std::filesystem::path PlotPath() const;   // SVG
   std::filesystem::path PagePath() const;   // HTML
   std::filesystem::path LabelsPicturePath() const;
 

@@ -1,53 +1,21 @@
 #include "colmap_ext/report/html_page.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "formats/picture_files.h"
 
 namespace colmap_ext {
 namespace {
 
-constexpr const char* kReplacement = "\xef\xbf\xbd";
-
-// Whether the character is one of XML 1.0 (production 2).
-bool IsCharacter(uint32_t code) {
-  return code == '\t' || code == '\n' || code == '\r' ||
-         (code >= 0x20 && code < 0xd800) || (code >= 0xe000 && code < 0xfffe) ||
-         (code >= 0x10000 && code <= 0x10ffff);
-}
-
-// The number of bytes of the character that the text starts with (RFC 3629); 0
-// if it starts with none.
-size_t CharacterLength(std::string_view text) {
-  const auto first = static_cast<uint8_t>(text[0]);
-  const int ones = std::countl_one(first);
-  const size_t length = ones == 0 ? 1 : ones;
-  if (ones == 1 || ones > 4 || text.size() < length) {
-    return 0;
-  }
-  uint32_t code = ones == 0 ? first : first & (0x7f >> ones);
-  for (size_t i = 1; i < length; ++i) {
-    const auto next = static_cast<uint8_t>(text[i]);
-    if ((next & 0xc0) != 0x80) {
-      return 0;
-    }
-    code = code << 6 | (next & 0x3f);
-  }
-  constexpr uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-  return IsCharacter(code) && code >= kLeast[length] ? length : 0;
-}
-
-std::string_view EscapeCharacter(std::string_view character) {
-  constexpr std::string_view kSpecial = "&<>\"'";
-  constexpr const char* kEscaped[] = {"&amp;", "&lt;", "&gt;", "&quot;",
-                                      "&#39;"};
-  const size_t place = kSpecial.find(character[0]);
-  return place < kSpecial.size() ? kEscaped[place] : character;
+// Bytes that are no UTF-8 become replacement characters, U+FFFD.
+std::string ValidUtf8(std::string_view text) {
+  return nlohmann::json::parse(nlohmann::json(text).dump(
+      -1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 // The style of all pages, for dark and light, narrow and wide windows.
@@ -294,10 +262,6 @@ std::string HtmlPage(const PageRun& run, const ReportLog& log,
 const KeyFigure kSeconds = {"Time", "all", "in all"};
 const KeyFigure kMemory = {"Time", "peak memory", "peak memory"};
 
-std::string Plot(const std::vector<RefinementStep>& steps, StepValue value) {
-  return "<div class=\"card plot\">\n" + StepsFigure(steps, value) + "</div>\n";
-}
-
 std::string StagesTable(const std::vector<RefinementStep>& steps) {
   std::string rows;
   for (const StageText& stage : DescribeStages(steps)) {
@@ -319,12 +283,18 @@ std::string StagesTable(const std::vector<RefinementStep>& steps) {
 }  // namespace
 
 std::string EscapeHtml(std::string_view text) {
+  // The last are control characters, which no page may have.
+  constexpr std::string_view kSpecial = "&<>\"'";
+  constexpr const char* kEscaped[] = {"&amp;",  "&lt;",  "&gt;",
+                                      "&quot;", "&#39;", "\xef\xbf\xbd"};
   std::string escaped;
-  while (!text.empty()) {
-    const size_t length = CharacterLength(text);
-    escaped +=
-        length > 0 ? EscapeCharacter(text.substr(0, length)) : kReplacement;
-    text.remove_prefix(length > 0 ? length : 1);
+  for (const char c : ValidUtf8(text)) {
+    const bool is_control =
+        static_cast<uint8_t>(c) < 0x20 && c != '\t' && c != '\n' && c != '\r';
+    const size_t place = kSpecial.find(c);
+    escaped += is_control                ? kEscaped[kSpecial.size()]
+               : place < kSpecial.size() ? kEscaped[place]
+                                         : std::string(1, c);
   }
   return escaped;
 }
@@ -351,10 +321,10 @@ std::string RefinementPage(const PageRun& run, const ReportLog& log,
                            const std::vector<RefinementStep>& steps,
                            const PagePictures& pictures) {
   const std::string iterations =
-      steps.empty() ? ""
-                    : "<h2>Iterations</h2>\n" + StagesTable(steps) +
-                          Plot(steps, StepValue::kEnergy) +
-                          Plot(steps, StepValue::kMeanZncc);
+      steps.empty()
+          ? ""
+          : "<h2>Iterations</h2>\n" + StagesTable(steps) +
+                "<div class=\"card plot\">\n" + StepsFigure(steps) + "</div>\n";
   return HtmlPage(run, log,
                   {{"Mesh", "faces", "faces"},
                    {"Mesh", "vertices", "vertices"},

@@ -80,6 +80,40 @@ void Warn(const std::vector<View>& views, const std::string& what,
   }
 }
 
+void PrintAlignment(const Misalignment& misalignment,
+                    const std::vector<View>& views, ReportLog* log) {
+  PrintHeading("Alignment of the images", log);
+  PrintNumber("off by, px of the surface", misalignment.by_cameras, log, 3);
+  PrintNumber("the surface before, px", misalignment.of_surface, log, 3);
+  const std::vector<uint32_t> misaligned = MisalignedViews(misalignment);
+  Warn(
+      views, "these images fit the others worse than the surface fits",
+      [&](size_t i) { return std::ranges::count(misaligned, i) > 0; }, log);
+}
+
+void PrintCameras(const CameraRefinementReport& report,
+                  const std::vector<View>& views, ReportLog* log) {
+  PrintHeading("Cameras", log);
+  PrintNumber("noise of the features, px", report.track_sigma, log, 3);
+  PrintText("", "      moved by, px       windows      features", log);
+  for (size_t i = 0; i < views.size(); ++i) {
+    const RefinedView& view = report.views[i];
+    PrintText(views[i].name,
+              fmt::format("{:18.3f}{:14}{:14}", view.motion, view.num_windows,
+                          view.num_observations),
+              log);
+  }
+  Warn(
+      views, fmt::format("these images moved by more than {} px", kFarMotion),
+      [&](size_t i) { return report.views[i].motion > kFarMotion; }, log);
+  Warn(
+      views, "these images did not converge",
+      [&](size_t i) { return report.views[i].last_motion > kConverged; }, log);
+  Warn(
+      views, "too little is seen by these images to refine them",
+      [&](size_t i) { return report.views[i].is_skipped; }, log);
+}
+
 using Steps = std::vector<RefinementStep>;
 
 // All sizes in px.
@@ -95,20 +129,6 @@ std::string EnergyText(double energy) { return fmt::format("{:.6g}", energy); }
 
 std::string ZnccText(double zncc) { return fmt::format("{:.4f}", zncc); }
 
-// The plotted value.
-struct Curve {
-  const char* name;
-  double RefinementStep::*of;
-  std::string (*text)(double value);
-};
-
-Curve CurveOf(StepValue value) {
-  if (value == StepValue::kEnergy) {
-    return {"Energy", &RefinementStep::energy, &EnergyText};
-  }
-  return {"Mean ZNCC", &RefinementStep::mean_zncc, &ZnccText};
-}
-
 double PanelWidth(const Steps& steps) {
   return std::max(
       kMinPanelWidth,
@@ -123,13 +143,11 @@ std::string Text(double x, double y, const char* anchor,
 }
 
 // The curve of one stage in a panel that starts at `left`.
-std::string Panel(const Steps& steps, const Curve& curve, double left) {
-  const auto [low, high] = std::minmax_element(
-      steps.begin(), steps.end(), [&curve](const auto& a, const auto& b) {
-        return a.*curve.of < b.*curve.of;
-      });
-  const double highest = (*high).*curve.of;
-  const double range = std::max(highest - (*low).*curve.of, 1e-300);
+std::string Panel(const Steps& steps, double left) {
+  const auto [low, high] =
+      std::ranges::minmax_element(steps, {}, &RefinementStep::mean_zncc);
+  const double highest = high->mean_zncc;
+  const double range = std::max(highest - low->mean_zncc, 1e-300);
   const double width = PanelWidth(steps);
   const double step_width =
       (width - 2 * kPadding) /
@@ -140,7 +158,7 @@ std::string Panel(const Steps& steps, const Curve& curve, double left) {
     const double x = left + kPadding + step_width * static_cast<double>(i);
     const double y =
         kTop + kPadding +
-        (kPanelHeight - 2 * kPadding) * (highest - steps[i].*curve.of) / range;
+        (kPanelHeight - 2 * kPadding) * (highest - steps[i].mean_zncc) / range;
     points += fmt::format("{:.1f},{:.1f} ", x, y);
     dots +=
         fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\"/>\n", x, y);
@@ -155,30 +173,11 @@ std::string Panel(const Steps& steps, const Curve& curve, double left) {
          "\" fill=\"none\" stroke=\"#1f5fa8\" stroke-width=\"1.5\"/>\n" +
          "<g fill=\"#1f5fa8\">\n" + dots + "</g>\n" +
          Text(left, kTop - 8, "start", StageName(steps[0])) +
-         Text(left, below, "start", curve.text(steps.front().*curve.of)) +
-         Text(right, below, "end", curve.text(steps.back().*curve.of)) +
+         Text(left, below, "start", ZnccText(steps.front().mean_zncc)) +
+         Text(right, below, "end", ZnccText(steps.back().mean_zncc)) +
          Text(left + width / 2, below + 16, "middle",
               fmt::format("{} iterations",
                           steps.back().iteration - steps.front().iteration));
-}
-
-// \param attributes  of the element, in addition to its size.
-std::string Plot(const Steps& steps, const Curve& curve,
-                 const std::string& attributes) {
-  double left = kMargin;
-  std::string panels;
-  for (const Steps& stage : SplitIntoStages(steps)) {
-    panels += Panel(stage, curve, left);
-    left += PanelWidth(stage) + kMargin;
-  }
-  const double width = std::max(left, 2 * kMargin + kMinPanelWidth);
-  return "<svg " + attributes +
-         fmt::format("width=\"{:.0f}\" height=\"{:.0f}\" ", width, kHeight) +
-         fmt::format("viewBox=\"0 0 {:.0f} {:.0f}\" ", width, kHeight) +
-         "font-family=\"sans-serif\" font-size=\"12\" fill=\"#333\">\n"
-         "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n" +
-         Text(kMargin, 28, "start", curve.name + std::string(" by iteration")) +
-         panels + "</svg>\n";
 }
 
 }  // namespace
@@ -274,38 +273,14 @@ std::string Describe(const CameraRefinementReport& report) {
       report.mean_zncc_before, report.mean_zncc, report.total_motion);
 }
 
-void PrintReport(const Misalignment& misalignment,
+void PrintReport(const CameraAlignment& alignment,
                  const std::vector<View>& views, ReportLog* log) {
-  PrintHeading("Alignment of the images", log);
-  PrintNumber("off by, px of the surface", misalignment.by_cameras, log, 3);
-  PrintNumber("the surface before, px", misalignment.of_surface, log, 3);
-  const std::vector<uint32_t> misaligned = MisalignedViews(misalignment);
-  Warn(
-      views, "these images fit the others worse than the surface fits",
-      [&](size_t i) { return std::ranges::count(misaligned, i) > 0; }, log);
-}
-
-void PrintReport(const CameraRefinementReport& report,
-                 const std::vector<View>& views, ReportLog* log) {
-  PrintHeading("Cameras", log);
-  PrintNumber("noise of the features, px", report.track_sigma, log, 3);
-  PrintText("", "      moved by, px       windows      features", log);
-  for (size_t i = 0; i < views.size(); ++i) {
-    const RefinedView& view = report.views[i];
-    PrintText(views[i].name,
-              fmt::format("{:18.3f}{:14}{:14}", view.motion, view.num_windows,
-                          view.num_observations),
-              log);
+  if (alignment.misalignment) {
+    PrintAlignment(*alignment.misalignment, views, log);
   }
-  Warn(
-      views, fmt::format("these images moved by more than {} px", kFarMotion),
-      [&](size_t i) { return report.views[i].motion > kFarMotion; }, log);
-  Warn(
-      views, "these images did not converge",
-      [&](size_t i) { return report.views[i].last_motion > kConverged; }, log);
-  Warn(
-      views, "too little is seen by these images to refine them",
-      [&](size_t i) { return report.views[i].is_skipped; }, log);
+  if (alignment.IsRefined()) {
+    PrintCameras(alignment.refinements.back(), views, log);
+  }
 }
 
 std::string StepsCsv(const std::vector<RefinementStep>& steps) {
@@ -322,14 +297,22 @@ std::string StepsCsv(const std::vector<RefinementStep>& steps) {
   return csv;
 }
 
-std::string StepsFigure(const std::vector<RefinementStep>& steps,
-                        StepValue value) {
-  return Plot(steps, CurveOf(value), "role=\"img\" ");
-}
-
-std::string StepsPlot(const std::vector<RefinementStep>& steps) {
-  return Plot(steps, CurveOf(StepValue::kEnergy),
-              "xmlns=\"http://www.w3.org/2000/svg\" ");
+std::string StepsFigure(const std::vector<RefinementStep>& steps) {
+  double left = kMargin;
+  std::string panels;
+  for (const Steps& stage : SplitIntoStages(steps)) {
+    panels += Panel(stage, left);
+    left += PanelWidth(stage) + kMargin;
+  }
+  const double width = std::max(left, 2 * kMargin + kMinPanelWidth);
+  return fmt::format(
+             "<svg role=\"img\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
+             "viewBox=\"0 0 {0:.0f} {1:.0f}\" ",
+             width, kHeight) +
+         "font-family=\"sans-serif\" font-size=\"12\" fill=\"#333\">\n"
+         "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n" +
+         Text(kMargin, 28, "start", "Mean ZNCC by iteration") + panels +
+         "</svg>\n";
 }
 
 }  // namespace colmap_ext

@@ -148,15 +148,9 @@ std::string Describe(const CameraRefinementReport& report);
 // The iterations as CSV, with a header row.
 std::string StepsCsv(const std::vector<RefinementStep>& steps);
 
-enum class StepValue { kEnergy, kMeanZncc };
-
-// A plot of a value by iteration, with a panel and a scale for each stage: an
-// SVG element for HTML.
-std::string StepsFigure(const std::vector<RefinementStep>& steps,
-                        StepValue value);
-
-// The plot of the energy as an SVG file.
-std::string StepsPlot(const std::vector<RefinementStep>& steps);
+// A plot of the mean ZNCC by iteration, with a panel and a scale for each
+// stage: an SVG element for HTML.
+std::string StepsFigure(const std::vector<RefinementStep>& steps);
 
 // Prints the input of the refinement.
 void PrintReport(const RefinementInput& input, ReportLog* log);
@@ -165,13 +159,10 @@ void PrintReport(const RefinementInput& input, ReportLog* log);
 void PrintReport(const RefinementReport& report, const MeshReport& mesh,
                  ReportLog* log);
 
-// Prints how well the images are aligned.
-void PrintReport(const Misalignment& misalignment,
-                 const std::vector<View>& views, ReportLog* log);
-
-// Prints how far the camera of each image moved, with warnings of those that
-// moved far, did not converge, or could not be refined.
-void PrintReport(const CameraRefinementReport& report,
+// Prints how well the images are aligned, and how far the camera of each moved,
+// with warnings of those that moved far, did not converge, or could not be
+// refined.
+void PrintReport(const CameraAlignment& alignment,
                  const std::vector<View>& views, ReportLog* log);
 
 // Prints tables of the figures.

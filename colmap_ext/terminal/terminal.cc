@@ -155,11 +155,7 @@ void ProgressReporter::Show() {
 size_t PeakMemory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-#ifdef __APPLE__
-  return static_cast<size_t>(usage.ru_maxrss);
-#else
   return static_cast<size_t>(usage.ru_maxrss) * 1024;
-#endif
 }
 
 StopSignal::StopSignal() {

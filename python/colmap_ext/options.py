@@ -132,8 +132,7 @@ class FacetwiseRefinementOptions(BaseOptions):
     """Of facetwise_refiner."""
 
     report_path: Optional[StrPath] = None
-    """Write a report: NAME.html (page), NAME.csv (iterations) and NAME.svg (plot). Give
-    NAME.html or NAME.csv."""
+    """Write a report: NAME.html (page) and NAME.csv (iterations). Give either name."""
 
     resume: bool = False
     """Continue an interrupted run from its last complete level."""
@@ -189,9 +188,9 @@ class FacetwiseRefinementOptions(BaseOptions):
     fewer faces. Flat parts get larger faces. None: as quality says; 7 for high."""
 
     refine_cameras: Literal["auto", "none", "poses", "poses_intrinsics"] = "auto"
-    """Camera parameters to refine with the surface, written to
-    WORKSPACE/sparse-refined. auto: poses, only if the images are misaligned, and not
-    for rigs."""
+    """Camera parameters to refine before the surface, written to
+    WORKSPACE/sparse-refined, of a plan to PLAN/sparse-refined. auto: poses, only if the
+    images are misaligned, and not for rigs."""
 
     min_confidence: Union[Annotated[float, Range(0, 1)], Literal["auto"]] = "auto"
     """Remove faces with a lower confidence; 0: keep all. auto: 0.2, or 0 without fused

@@ -1,4 +1,3 @@
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -147,22 +146,20 @@ class Problem {
     for (size_t i = 0; i < num_views_; ++i) {
       slopes(steps_.Indices(i)) += system_.slopes[i];
     }
-    Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(slopes.size());
-    ForEachEntry([&](Eigen::Index row, Eigen::Index col, double value) {
-      diagonal[row] += row == col ? value : 0;
-    });
+    Eigen::SparseMatrix<double> matrix = Matrix();
     for (Eigen::Index k = 0; k < slopes.size(); ++k) {
+      double& diagonal = matrix.coeffRef(k, k);
       if (priors_.IsFixed(k)) {
         slopes[k] = 0;
-        diagonal[k] = 1;
+        diagonal = 1;
       } else {
         slopes[k] +=
             priors_.informations[k] * (steps_.values[k] - priors_.means[k]);
-        diagonal[k] += priors_.informations[k];
+        diagonal += priors_.informations[k];
       }
+      diagonal *= 1 + damping;
     }
-    const Eigen::VectorXd solution =
-        -SolveDamped((1 + damping) * diagonal, slopes);
+    const Eigen::VectorXd solution = -SolutionOf(matrix, slopes);
     if (!solution.allFinite()) {
       return std::nullopt;
     }
@@ -174,72 +171,56 @@ class Problem {
     return change;
   }
 
-  // Calls function(row, column, value) for the lower triangle of the cameras'
-  // matrix, without its priors and what stays; values of one place are to be
-  // summed.
-  template <typename Function>
-  void ForEachEntry(const Function& function) const {
+  // The lower triangle of the cameras' matrix, without its priors and what
+  // stays.
+  Eigen::SparseMatrix<double> Matrix() const {
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(system_.blocks.size() * kViewDim * kViewDim);
+    const auto add = [&](const auto& rows, const auto& cols,
+                         const ViewBlock& block) {
+      for (int r = 0; r < kViewDim; ++r) {
+        for (int c = 0; c < kViewDim; ++c) {
+          if (rows[r] >= cols[c] && !priors_.IsFixed(rows[r]) &&
+              !priors_.IsFixed(cols[c])) {
+            entries.emplace_back(rows[r], cols[c], block(r, c));
+          }
+        }
+      }
+    };
     for (size_t i = 0; i < num_views_; ++i) {
       const auto rows = steps_.Indices(i);
       for (uint64_t k = system_.columns.offsets[i];
            k < system_.columns.offsets[i + 1]; ++k) {
         const size_t j = system_.columns.values[k];
-        AddBlock(rows, steps_.Indices(j), system_.blocks[k], function);
+        add(rows, steps_.Indices(j), system_.blocks[k]);
         if (i != j) {
-          AddBlock(steps_.Indices(j), rows, system_.blocks[k].transpose(),
-                   function);
+          add(steps_.Indices(j), rows, system_.blocks[k].transpose());
         }
       }
     }
-  }
-
-  template <typename Function>
-  void AddBlock(const std::array<Eigen::Index, kViewDim>& rows,
-                const std::array<Eigen::Index, kViewDim>& cols,
-                const ViewBlock& block, const Function& function) const {
-    for (int r = 0; r < kViewDim; ++r) {
-      for (int c = 0; c < kViewDim; ++c) {
-        if (rows[r] >= cols[c] && !priors_.IsFixed(rows[r]) &&
-            !priors_.IsFixed(cols[c])) {
-          function(rows[r], cols[c], block(r, c));
-        }
-      }
-    }
-  }
-
-  // The cameras' matrix, with another diagonal, solved for a right side. NaN
-  // where that fails.
-  Eigen::VectorXd SolveDamped(const Eigen::VectorXd& diagonal,
-                              const Eigen::VectorXd& right) const {
-    // From so many views on the reduced system is sparse as a rule.
-    constexpr size_t kMaxDense = 300;
-    const Eigen::Index size = right.size();
-    const Eigen::VectorXd failure =
-        Eigen::VectorXd::Constant(size, std::nan(""));
-    if (num_views_ <= kMaxDense) {
-      Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(size, size);
-      ForEachEntry([&](Eigen::Index row, Eigen::Index col, double value) {
-        matrix(row, col) += value;
-      });
-      matrix.diagonal() = diagonal;
-      const Eigen::LLT<Eigen::MatrixXd> factors(matrix);
-      return factors.info() == Eigen::Success ? factors.solve(right).eval()
-                                              : failure;
-    }
-    std::vector<Eigen::Triplet<double>> triplets;
-    ForEachEntry([&](Eigen::Index row, Eigen::Index col, double value) {
-      if (row != col) {
-        triplets.emplace_back(row, col, value);
-      }
-    });
+    const Eigen::Index size = steps_.values.size();
     for (Eigen::Index k = 0; k < size; ++k) {
-      triplets.emplace_back(k, k, diagonal[k]);
+      entries.emplace_back(k, k, 0);
     }
     Eigen::SparseMatrix<double> matrix(size, size);
-    matrix.setFromTriplets(triplets.begin(), triplets.end());
-    const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factors(matrix);
-    return factors.info() == Eigen::Success ? factors.solve(right).eval()
-                                            : failure;
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    return matrix;
+  }
+
+  // NaN where the equations cannot be solved.
+  Eigen::VectorXd SolutionOf(const Eigen::SparseMatrix<double>& matrix,
+                             const Eigen::VectorXd& right) const {
+    // From so many views on the reduced system is sparse as a rule.
+    constexpr size_t kMaxDense = 300;
+    const auto solve = [&](const auto& factors) -> Eigen::VectorXd {
+      return factors.info() == Eigen::Success
+                 ? factors.solve(right).eval()
+                 : Eigen::VectorXd::Constant(right.size(), std::nan(""));
+    };
+    return num_views_ <= kMaxDense
+               ? solve(Eigen::LLT<Eigen::MatrixXd>(matrix))
+               : solve(
+                     Eigen::SimplicialLLT<Eigen::SparseMatrix<double>>(matrix));
   }
 
   size_t num_views_;

@@ -2,115 +2,25 @@
 
 #include <algorithm>
 #include <chrono>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "base/indices.h"
 #include "base/rows.h"
-#include "mesh/adjacency.h"
-#include "mesh/clip_mesh.h"
-#include "mesh/confidences.h"
 #include "mesh/normals.h"
 #include "raster/visibility_buffers.h"
 #include "refine/facet_sizes.h"
 #include "refine/level_refinement.h"
 #include "refine/refined_confidences.h"
-#include "remesh/isotropic_remeshing.h"
-#include "repair/self_intersection_repair.h"
-#include "spatial/self_intersections.h"
 
 namespace colmap_ext {
-
-void ImproveFacets(RefinedMesh* state) {
-  // Choices; 2 rings are what a flip and a step of a vertex change.
-  constexpr int kMaxTrials = 4;
-  constexpr int kRings = 2;
-  const FixedVertices fixed = FixedOf(state->fixed_sources);
-  FixedVertices is_left_alone = fixed;
-  for (int trial = 0; trial < kMaxTrials; ++trial) {
-    RemeshedSurface improved = ImproveAngles(state->mesh, is_left_alone);
-    for (uint32_t& source : improved.fixed_sources) {
-      source = source != kNone && IsFixed(fixed, source) ? source : kNone;
-    }
-    const size_t num_crossing =
-        RepairSelfIntersections(&improved.mesh, FixedOf(improved.fixed_sources))
-            .num_after;
-    if (num_crossing <= state->report.num_self_intersections) {
-      state->report.num_self_intersections = num_crossing;
-      state->labels = state->labels.Remapped(improved.facet_sources);
-      BecomeRemeshed(std::move(improved), state);
-      return;
-    }
-    // The surroundings of what crosses are left as they are.
-    std::vector<uint32_t> crossing;
-    for (const FacetPair& pair : FindSelfIntersections(improved.mesh)) {
-      for (const uint32_t facet : pair) {
-        crossing.push_back(improved.facet_sources[facet]);
-      }
-    }
-    is_left_alone.resize(state->mesh.vertices.size(), 0);
-    const std::vector<uint32_t> around =
-        Marked(MarkAround(state->mesh, crossing, kRings));
-    for (const uint32_t vertex : VerticesOf(state->mesh, around)) {
-      is_left_alone[vertex] = 1;
-    }
-  }
-}
-
-void CountSelfIntersections(const Progress& progress, RefinedMesh* state) {
-  Report(progress, "Looking for self-intersections", 0);
-  state->report.num_self_intersections =
-      FindSelfIntersections(state->mesh).size();
-}
-
-bool RemoveSelfIntersections(const Progress& progress, RefinedMesh* state) {
-  Report(progress, "Repairing self-intersections", 0);
-  const SelfIntersectionRepair repair =
-      RepairSelfIntersections(&state->mesh, FixedOf(state->fixed_sources));
-  state->report.num_removed_self_intersections +=
-      repair.num_before - repair.num_after;
-  state->report.num_self_intersections = repair.num_after;
-  return repair.num_after < repair.num_before;
-}
-
-void FinishRefinement(const FacetwiseRefinementOptions& options,
-                      const Progress& progress, RefinedMesh* refined) {
-  RefinementReport& report = refined->report;
-  if (report.is_skipped) {
-    CountSelfIntersections(progress, refined);
-  } else {
-    Report(progress, "Finishing the borders", 0);
-    const Provenance from = TrimAndCloseHoles(
-        options.borders,
-        MeanOfCorners(refined->mesh.facets, refined->attributes.confidences),
-        refined->views, refined, &report.borders);
-    refined->labels = refined->labels.Remapped(from.facets);
-    RemoveSelfIntersections(progress, refined);
-    report.num_removed_self_intersections += report.num_self_intersections;
-    refined->labels = refined->labels.Remapped(
-        FinishRepair(&report.num_self_intersections, refined).facets);
-    report.num_removed_self_intersections -= report.num_self_intersections;
-    Unfold(&refined->mesh, FixedOf(refined->fixed_sources));
-  }
-  bool have_changed =
-      report.borders.trim.num_facets > 0 || report.borders.holes.num_closed > 0;
-  if (options.region) {
-    if (const auto from = CutOff(*options.region, refined)) {
-      refined->labels = refined->labels.Remapped(from->facets);
-      have_changed = true;
-    }
-    if (refined->mesh.facets.empty()) {
-      throw std::invalid_argument(
-          "no face of the refined mesh lies in the region: take a larger one");
-    }
-  }
-  if (options.remeshing && have_changed && !report.is_skipped) {
-    ImproveFacets(refined);
-  }
-}
-
 namespace {
+
+// Whether the cameras would move the surface by a good part of its error. The
+// share is a choice.
+bool IsLarge(const Misalignment& misalignment) {
+  constexpr double kMinShare = 0.5;
+  return misalignment.by_cameras > kMinShare * misalignment.of_surface;
+}
 
 class Refinement {
  public:
@@ -121,11 +31,7 @@ class Refinement {
         points_(points),
         has_fused_points_(start.has_fused_points),
         cameras_(std::move(start.cameras)),
-        camera_pairs_(
-            cameras_ ? SelectViewPairs(points, views.size(), kCameraPartners)
-                     : std::vector<ViewPair>()),
-        are_cameras_refined_(cameras_ &&
-                             options.cameras.parts != RefinedParts::kNothing),
+        alignment_(std::move(start.alignment)),
         pairs_(SelectViewPairs(points, views.size(), options.pairs_per_image)),
         energy_(energy),
         hooks_(hooks) {
@@ -134,11 +40,10 @@ class Refinement {
     }
     static_cast<Surface&>(state_) = std::move(static_cast<Surface&>(start));
     state_.views = views;
-    state_.report.misalignment = std::move(start.misalignment);
   }
 
   RefinedMesh Run(int first_level, bool is_part) {
-    if (!DecideByAlignment()) {
+    if (!AreCamerasUsable()) {
       state_.report.is_skipped = true;
       state_.labels.labels = Rows<uint32_t>(state_.mesh.facets.size());
       first_level = -1;
@@ -162,16 +67,11 @@ class Refinement {
   }
 
  private:
-  // Of each view that may be compared with it to refine the cameras: more than
-  // to refine the surface, as many images together fix a pose. A choice.
-  static constexpr int kCameraPartners = 12;
-
   // Whether the level is complete; else the surface is of no use.
   bool RefineAtLevel(int level) {
     energy_->SetLevel(level);
     energy_->SetViews(state_.views);
     RemoveSelfIntersections(hooks_.progress, &state_);
-    UpdateCameras(state_.mesh);
     const std::vector<View> views = ViewsAtLevel(state_.views, level);
     Prepare(level, views);
     const std::string stage = "Refining, level " + std::to_string(level);
@@ -185,13 +85,10 @@ class Refinement {
                                options_.iterations));
       return AddStep(step);
     };
-    const auto update_cameras = [&](const TriangleMesh& mesh) {
-      return level == 0 && UpdateCameras(mesh);
-    };
     RefinedLevel refined =
         RefineLevel(options_,
                     {level, state_.labels, views, state_.origins,
-                     update_cameras, FixedOf(state_.fixed_sources)},
+                     FixedOf(state_.fixed_sources)},
                     state_.mesh, energy_, on_step);
     state_.mesh = std::move(refined.mesh);
     if (level == 0) {
@@ -240,31 +137,24 @@ class Refinement {
     return confidences;
   }
 
-  // Decides whether the cameras are refined, if that depends on their
-  // alignment, and which views refine the surface if the cameras are fixed.
-  // The report may have the measurement of an earlier run.
+  // Aligns the cameras, unless an earlier run has, and decides which views
+  // refine the surface if they are fixed.
   // \return whether there are such views.
-  bool DecideByAlignment() {
-    const CameraRefinementOptions& cameras = options_.cameras;
-    const bool are_fixed = cameras.parts == RefinedParts::kNothing;
-    if (!cameras_ || !(are_fixed || cameras.only_if_misaligned)) {
+  bool AreCamerasUsable() {
+    if (!cameras_) {
       return true;
     }
-    if (!state_.report.misalignment) {
-      state_.report.misalignment = FindMisalignment();
+    state_.alignment =
+        alignment_ ? std::move(*alignment_)
+                   : AlignCameras(options_, *cameras_, state_.mesh, points_,
+                                  energy_, hooks_, &state_.views);
+    if (options_.cameras.parts != RefinedParts::kNothing) {
+      return true;
     }
-    // Share of the surface's error above which the cameras are refined;
-    // multiple of the usual error above which a view does harm: choices.
-    constexpr double kMinShare = 0.5;
+    // Multiple of the usual error above which a view does harm, a choice.
     constexpr double kOutlier = 3;
-    const Misalignment& misalignment = *state_.report.misalignment;
-    if (!are_fixed) {
-      are_cameras_refined_ =
-          !MisalignedViews(misalignment).empty() ||
-          misalignment.by_cameras > kMinShare * misalignment.of_surface;
-      return true;
-    }
-    if (misalignment.by_cameras > kMinShare * misalignment.of_surface) {
+    const Misalignment& misalignment = *state_.alignment.misalignment;
+    if (IsLarge(misalignment)) {
       AverageOverPairs();
     }
     const std::vector<uint32_t> outliers =
@@ -288,46 +178,6 @@ class Refinement {
       labeling.final_pairs_per_facet =
           std::max(labeling.final_pairs_per_facet, kFinalPairs);
     }
-  }
-
-  // What the cameras are refined by.
-  CameraInput InputOfCameras(const VisibilityBuffers& buffers) const {
-    return {options_.photometric, cameras_->tracks, buffers, camera_pairs_,
-            cameras_->images.get()};
-  }
-
-  Misalignment FindMisalignment() const {
-    // Half the size: fine enough, and a quarter of the work.
-    constexpr int kLevel = 1;
-    Report(hooks_.progress, "Measuring the images' alignment", 0);
-    energy_->SetLevel(kLevel);
-    energy_->SetViews(state_.views);
-    return MeasureMisalignment(
-        options_.cameras, InputOfCameras(*energy_->Visibility(state_.mesh)),
-        {state_.views, cameras_->view_cameras});
-  }
-
-  // Refines the cameras, if that is to be, and passes them on.
-  // \return whether any image moved by so much that the surface has to follow
-  bool UpdateCameras(const TriangleMesh& mesh) {
-    if (!are_cameras_refined_) {
-      return false;
-    }
-    // Px of the level; a tenth of what a step of the surface is about.
-    constexpr double kMinMotion = 0.01;
-    Report(hooks_.progress, "Refining the cameras", 0);
-    RefinedCameras refined = RefineCameras(
-        options_.cameras, InputOfCameras(*energy_->Visibility(mesh)),
-        {cameras_->views, cameras_->view_cameras},
-        {state_.views, cameras_->view_cameras});
-    state_.views = std::move(refined.cameras.views);
-    state_.track_positions = std::move(refined.positions);
-    energy_->SetViews(state_.views);
-    if (hooks_.on_cameras) {
-      hooks_.on_cameras(refined.report);
-    }
-    state_.report.cameras.push_back(std::move(refined.report));
-    return state_.report.cameras.back().total_motion > kMinMotion;
   }
 
   // Gives the mesh facets of the size that the images call for, and labels
@@ -371,9 +221,8 @@ class Refinement {
   FacetwiseRefinementOptions options_;
   const PointCloud& points_;
   bool has_fused_points_;
-  std::shared_ptr<const RefinableCameras> cameras_;  // none: not refined
-  std::vector<ViewPair> camera_pairs_;
-  bool are_cameras_refined_;
+  std::shared_ptr<const RefinableCameras> cameras_;  // none: as they are
+  std::optional<CameraAlignment> alignment_;         // of an earlier run
   std::vector<ViewPair> pairs_;
   PhotometricEnergy* energy_;
   const RefinementHooks& hooks_;
@@ -383,6 +232,54 @@ class Refinement {
 };
 
 }  // namespace
+
+CameraAlignment AlignCameras(const FacetwiseRefinementOptions& options,
+                             const RefinableCameras& cameras,
+                             const TriangleMesh& mesh, const PointCloud& points,
+                             PhotometricEnergy* energy,
+                             const RefinementHooks& hooks,
+                             std::vector<View>* views) {
+  // Of each view: more than to refine the surface, as many images together fix
+  // a pose. A choice.
+  constexpr int kPartners = 12;
+  // Half the size: fine enough to measure, and a quarter of the work.
+  constexpr int kMeasuredLevel = 1;
+  const CameraRefinementOptions& method = options.cameras;
+  const std::vector<ViewPair> pairs =
+      SelectViewPairs(points, views->size(), kPartners);
+  const auto draw = [&](int level) {
+    energy->SetLevel(level);
+    energy->SetViews(*views);
+    return energy->Visibility(mesh);
+  };
+  const auto input = [&](const VisibilityBuffers& buffers) {
+    return CameraInput{options.photometric, cameras.tracks, buffers, pairs,
+                       cameras.images.get()};
+  };
+  CameraAlignment alignment;
+  bool is_needed = method.parts != RefinedParts::kNothing;
+  if (!is_needed || method.only_if_misaligned) {
+    Report(hooks.progress, "Measuring the images' alignment", 0);
+    alignment.misalignment = MeasureMisalignment(
+        method, input(*draw(kMeasuredLevel)), {*views, cameras.view_cameras});
+    is_needed =
+        is_needed && (IsLarge(*alignment.misalignment) ||
+                      !MisalignedViews(*alignment.misalignment).empty());
+  }
+  for (int level = options.levels - 1; is_needed && level >= 0; --level) {
+    Report(hooks.progress, "Refining the cameras", 0);
+    RefinedCameras refined = RefineCameras(
+        method, input(*draw(level)), {cameras.views, cameras.view_cameras},
+        {*views, cameras.view_cameras});
+    *views = std::move(refined.cameras.views);
+    alignment.track_positions = std::move(refined.positions);
+    if (hooks.on_cameras) {
+      hooks.on_cameras(refined.report);
+    }
+    alignment.refinements.push_back(std::move(refined.report));
+  }
+  return alignment;
+}
 
 RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                             RefinementStart start,

@@ -65,8 +65,8 @@ struct FacetwiseRefinementOptions {
 
   PhotometricOptions photometric;
 
-  // Refinement of the cameras, alternating with that of the surface
-  // (docs/method.md, section 7.7).
+  // Refinement of the cameras before that of the surface (docs/method.md,
+  // section 7.7).
   CameraRefinementOptions cameras;
 
   // Trimming of the result, and closing of its holes. What a trimming leaves
@@ -97,12 +97,9 @@ struct RefinementStep {
 
 struct RefinementReport {
   std::vector<RefinementStep> steps;
-  std::vector<LabelingReport> labelings;        // one a level
-  std::vector<CameraRefinementReport> cameras;  // each time they were refined
-  bool is_stopped = false;  // by RefinementHooks::should_stop
-  bool is_skipped = false;  // not refined: the cameras are off by more
-  // Of the cameras at the start, where it decided what became of them.
-  std::optional<Misalignment> misalignment;
+  std::vector<LabelingReport> labelings;  // one a level
+  bool is_stopped = false;                // by RefinementHooks::should_stop
+  bool is_skipped = false;         // not refined: the cameras are off by more
   size_t num_shortened_steps = 0;  // of vertices, that would have flipped a
                                    // facet or let two cross
   size_t num_unconverged_solutions = 0;  // of linear systems
@@ -121,6 +118,17 @@ struct RefinableCameras {
   std::shared_ptr<ImagePyramid> images;  // that the energy uses
 };
 
+// How well cameras are aligned, and what was done about it.
+struct CameraAlignment {
+  // At the start, where it decided what became of them.
+  std::optional<Misalignment> misalignment;
+  std::vector<CameraRefinementReport> refinements;  // one a level, or none
+  // Of the sparse model's points, by the refined views; empty if none were.
+  std::vector<Eigen::Vector3d> track_positions;
+
+  bool IsRefined() const { return !refinements.empty(); }
+};
+
 // What a refinement starts from: the input, or the result of a complete level.
 // The mesh is manifold. Its vertices may have no views: then a facet may take
 // all pairs that see it. Without origins the vertices are the origins. Facets
@@ -134,8 +142,8 @@ struct RefinementStart : Surface {
   // The cameras as they are now are the views that are passed beside.
   // options.cameras says whether they are refined. None: nothing is known.
   std::shared_ptr<const RefinableCameras> cameras = nullptr;
-  // Measured by the run that is being resumed; nullopt: unknown, or a new run.
-  std::optional<Misalignment> misalignment = std::nullopt;
+  // By the run that is being resumed; nullopt: a new run.
+  std::optional<CameraAlignment> alignment = std::nullopt;
   // It is a part of a surface: its borders are left as they are, and
   // FinishRefinement() is called for the whole.
   bool is_part = false;
@@ -144,12 +152,10 @@ struct RefinementStart : Surface {
 // Manifold; its confidences are those of RefinedConfidences() once the last
 // level is complete, its fixed sources those of the start.
 struct RefinedMesh : Surface {
-  FacetLabels labels;       // [F] of the last level; none of
-                            // facets that close a hole
-  std::vector<View> views;  // as they were refined
-  std::vector<Eigen::Vector3d> track_positions;  // of the sparse model's
-                                                 // points, by these views;
-                                                 // empty if none were refined
+  FacetLabels labels;         // [F] of the last level; none of facets that
+                              // close a hole
+  std::vector<View> views;    // as they were refined
+  CameraAlignment alignment;  // nothing if nothing is known of the cameras
   RefinementReport report;
 };
 
@@ -162,7 +168,7 @@ struct RefinementHooks {
   std::function<void(const RefinementStep& step, const RefinedMesh& state)>
       on_step;
 
-  // After the cameras were refined.
+  // After the cameras were refined at a level.
   std::function<void(const CameraRefinementReport& report)> on_cameras;
 
   // After each level, `state` as it would be returned, its borders as they
@@ -174,17 +180,28 @@ struct RefinementHooks {
   std::function<bool()> should_stop;
 };
 
+// Refines the cameras by a surface as it is, coarse to fine, as
+// options.cameras has it: if only where they are misaligned, that is measured
+// first, as it is where they are fixed (docs/method.md, section 7.7).
+//
+// \param points  see RefineFacetwise()
+// \param views [in,out] the cameras as they are now
+CameraAlignment AlignCameras(const FacetwiseRefinementOptions& options,
+                             const RefinableCameras& cameras,
+                             const TriangleMesh& mesh, const PointCloud& points,
+                             PhotometricEnergy* energy,
+                             const RefinementHooks& hooks,
+                             std::vector<View>* views);
+
 // Facetwise refinement [Romanoni2020, sections II-A and V; docs/method.md,
 // section 7]: at each level of the images, coarse to fine, facets are
 // subdivided, each gets the pairs of views that see it best, and the vertices
 // move so that what the two views of a pair show on its facets looks alike.
 // Self-intersections are repaired before each level, before and after its
-// facets change, and after the last one. Cameras are refined before each level,
-// and before the final iterations of the finest one; if that is requested only
-// for misaligned cameras, well-aligned ones are not refined. If the cameras are
-// given but not refined, views whose error is so large that the surface would
-// get worse are left out; if most views are, the mesh is only clipped to the
-// region (docs/method.md, section 7.7).
+// facets change, and after the last one. Cameras are aligned before the first
+// level. If they are given but not refined, views whose error is so large that
+// the surface would get worse are left out; if most views are, the mesh is only
+// clipped to the region (docs/method.md, section 7.7).
 //
 // \param views  the cameras as they are now.
 // \param points  whose views tell which views have most in common.

@@ -53,7 +53,6 @@ class LevelRefinement {
     SetTarget(FirstTarget(domain_, surface_.mesh,
                           kFirstWeight * options_.smoothness_weight));
     Iterate(options_.iterations);
-    UpdateCameras();
     FacetLabels labels = level_.labels.Masked(is_confirmed);
     if (level_.level == 0 && !refined_.is_stopped &&
         labels_.labels.values.size() < labels.labels.values.size()) {
@@ -227,18 +226,6 @@ class LevelRefinement {
     step.num_vertices = surface_.mesh.vertices.size();
     step.num_facets = surface_.mesh.facets.size();
     refined_.is_stopped = !on_step_(step, surface_.mesh);
-  }
-
-  // The cameras move, and the surface follows them.
-  void UpdateCameras() {
-    if (refined_.is_stopped || !level_.update_cameras) {
-      return;
-    }
-    const bool is_to_follow = level_.update_cameras(surface_.mesh);
-    Draw();
-    if (is_to_follow) {
-      Iterate(options_.iterations);
-    }
   }
 
   // The final iterations, half of them by a part of the labels, if that is

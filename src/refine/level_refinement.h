@@ -21,11 +21,7 @@ struct RefinementLevel {
   const FacetLabels& labels;       // [F]
   const std::vector<View>& views;  // of the level's images' sizes
   const std::vector<Eigen::Vector3f>& origins;  // [V] see RefinedMesh
-  // Called before the final iterations; may be empty. Moves the cameras that
-  // the energy uses to fit a mesh; returns whether they moved by so much that
-  // the surface has to follow.
-  std::function<bool(const TriangleMesh& mesh)> update_cameras = {};
-  FixedVertices fixed = {};  // of the mesh
+  FixedVertices fixed = {};                     // of the mesh
 };
 
 struct RefinedLevel {

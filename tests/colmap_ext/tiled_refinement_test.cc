@@ -35,12 +35,12 @@ struct TiledRefinementTest : RefinerFixture {
                        PathOption("output_path", merged_)));
   }
 
-  Outcome PlanRefinement() const {
-    return Run(Plan() + PathOption("input_path", merged_) + kEffort);
+  Outcome PlanRefinement(const std::string& more = "") const {
+    return Run(Plan() + PathOption("input_path", merged_) + kEffort + more);
   }
 
-  void RefineTiles(int num_tiles) const {
-    Succeed(PlanRefinement());
+  void RefineTiles(int num_tiles, const std::string& more = "") const {
+    Succeed(PlanRefinement(more));
     for (int color = 0; color < num_tiles; ++color) {
       for (const int tile : TilesOf(color)) {
         Succeed(Run(Plan() + Tile(tile)));
@@ -70,8 +70,9 @@ struct TiledRefinementTest : RefinerFixture {
 
   // Refines the merged mesh by its tiles.
   // \return its bytes
-  std::string RefineAndMerge(int num_tiles) const {
-    RefineTiles(num_tiles);
+  std::string RefineAndMerge(int num_tiles,
+                             const std::string& more = "") const {
+    RefineTiles(num_tiles, more);
     Succeed(MergeRefined());
     return BytesOf(refined_);
   }
@@ -139,6 +140,32 @@ TEST_F(TiledRefinementTest, MakesAMeshWithoutSeams) {
     ExpectGoodMesh(refined_);
     EXPECT_LT(Error(refined_), 1.05 * whole) << num_tiles;
   }
+}
+
+// Before the points were fused the poses were off by a pixel.
+TEST_F(TiledRefinementTest, RefinesTheCamerasOfThePlan) {
+  fs::remove_all(path_);
+  WriteWorkspace(MakeStatue(1), 1, path_.string());
+  const fs::path sparse = plan_ / "sparse-refined";
+  MakePlan(2);
+  EXPECT_TRUE(Has(PlanRefinement().out, "refined, " + sparse.string()));
+  RefineAndMerge(2);
+  ExpectGoodMesh(refined_);
+  EXPECT_TRUE(Has(MergeRefined().out, sparse.string()));
+  const double error = Error(refined_);
+  const std::string plan = ReadFile(plan_ / "refine.json");
+  const std::string images = ReadFile(sparse / "images.bin");
+  fs::remove_all(sparse);
+  Succeed(PlanRefinement(" @num_threads 1"));
+  EXPECT_TRUE(ReadFile(plan_ / "refine.json") == plan);
+  EXPECT_TRUE(ReadFile(sparse / "images.bin") == images);
+  Succeed(Refine(PathOption("input_path", merged_) +
+                 PathOption("output_path", refined_) + kEffort));
+  EXPECT_TRUE(fs::exists(path_ / "sparse-refined"));
+  EXPECT_LT(error, 1.02 * Error(refined_));
+  RefineAndMerge(2, " @refine_cameras none");
+  EXPECT_FALSE(fs::exists(sparse));
+  EXPECT_LT(error, 0.8 * Error(refined_));
 }
 
 // The left part of each image is masked. Deep in it the images may be anything.
@@ -323,8 +350,6 @@ TEST_F(TiledRefinementTest, SaysWhatIsMissing) {
   ExpectRefusal(Run(Plan() + Tile(0)), "refine.json: not there");
   ExpectRefusal(Run(Plan()), "--plan_path needs --tile, or --input_path");
   ExpectRefusal(Run("--tile 1"), "--tile needs --plan_path");
-  ExpectRefusal(Run(Plan() + Tile(0) + " @refine_cameras poses"),
-                "cameras are not refined in tiles");
   Succeed(PlanRefinement());
   ExpectRefusal(MergeRefined(), "is not refined");
   ExpectRefusal(Run(Plan() + Tile(7)), "has no tile 7");

@@ -108,7 +108,8 @@ void ExpectAgreement(const RefinedMesh& refined, const RefinedMesh& reference) {
   EXPECT_LT(Distance(scene, expected, scene.truth),
             0.5 * Distance(scene, DisturbedCameras(), scene.truth));
   EXPECT_LT(Distance(scene, cameras, expected), 0.01);
-  EXPECT_EQ(refined.report.cameras.size(), reference.report.cameras.size());
+  EXPECT_EQ(refined.alignment.refinements.size(),
+            reference.alignment.refinements.size());
   ASSERT_EQ(refined.mesh.facets, reference.mesh.facets);
   EXPECT_LT(MedianDistance(refined.mesh, reference.mesh), 0.01);
 }

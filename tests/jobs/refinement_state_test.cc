@@ -35,7 +35,13 @@ struct RefinementStateTest : testing::Test {
     report.steps[0].energy = std::nan("");
     report.steps[1].is_final = true;
     report.steps[1].photometric_energy = kInfinity;
-    report.misalignment = {1.0 / 3, 0.1, {0, 1e-300}};
+    CameraAlignment& alignment = state_.alignment;
+    alignment.misalignment = {1.0 / 3, 0.1, {0, 1e-300}};
+    alignment.track_positions = {{1.0 / 3, 0, 1e-300}};
+    alignment.refinements.resize(1);
+    alignment.refinements[0].track_sigma = 0.1;
+    alignment.refinements[0].views.resize(2);
+    alignment.refinements[0].views[1].motion = 1.0 / 3;
   }
 
   void Write(const RefinedMesh& state) const {
@@ -76,9 +82,11 @@ TEST_F(RefinementStateTest, IsReadBackAsItWas) {
   ASSERT_EQ(read.report.steps.size(), 2u);
   EXPECT_TRUE(std::isnan(read.report.steps[0].energy));
   EXPECT_TRUE(read.report.steps[1].is_final);
-  ASSERT_TRUE(read.report.misalignment);
-  EXPECT_EQ(read.report.misalignment->by_view,
-            state_.report.misalignment->by_view);
+  ASSERT_TRUE(read.alignment.misalignment);
+  EXPECT_EQ(read.alignment.misalignment->by_view,
+            state_.alignment.misalignment->by_view);
+  ASSERT_EQ(read.alignment.refinements.size(), 1u);
+  EXPECT_EQ(read.alignment.refinements[0].views[1].motion, 1.0 / 3);
   // All else, by what is written of it.
   const std::string bytes = ReadFile(StatePath(output_));
   Write(read);

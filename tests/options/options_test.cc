@@ -110,7 +110,6 @@ TEST(RefinerOptionsTest, RefusesImpossiblePathsAndEvenWindows) {
   R none;
   ExpectRefused(&none, "--workspace_path is required");
   ExpectChangeRefused([](R* o) { o->input_path = "a"; }, "--output_path");
-  ExpectChangeRefused([](R* o) { o->report_path = "a.svg"; }, "--report_path");
   ExpectChangeRefused([](R* o) { o->labels_path = "a.png"; }, "--labels_path");
   ExpectChangeRefused([](R* o) { o->window = 4; }, "window must be odd");
 }
@@ -120,7 +119,6 @@ TEST(RefinerOptionsTest, NamesTheReportsFilesAlike) {
     R options;
     options.report_path = path;
     EXPECT_EQ(options.StepsPath(), "a b/c.d.csv");
-    EXPECT_EQ(options.PlotPath(), "a b/c.d.svg");
     EXPECT_EQ(options.PagePath(), "a b/c.d.html");
   }
   R options;

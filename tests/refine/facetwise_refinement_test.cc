@@ -141,7 +141,7 @@ TEST_F(RefineFacetwiseTest, FindsTheTruthByCamerasThatAreOff) {
   options_.cameras.parts = RefinedParts::kPoses;
   const RefinedMesh refined = disturbed.Refine(options_, mesh_);
   EXPECT_LT(MedianError(refined.mesh), 0.4 * MedianError(mesh_));
-  EXPECT_EQ(refined.track_positions.size(),
+  EXPECT_EQ(refined.alignment.track_positions.size(),
             disturbed.cameras->tracks.positions.size());
 }
 
@@ -153,9 +153,9 @@ TEST_F(RefineFacetwiseTest, RefinesCamerasWhereTheyAreMisaligned) {
     const DisturbedCameras disturbed(pixels);
     const RefinedMesh refined = disturbed.Refine(options_, mesh_);
     EXPECT_FALSE(refined.report.is_skipped);
-    ASSERT_TRUE(refined.report.misalignment.has_value());
-    EXPECT_EQ(refined.report.cameras.empty(), pixels == 0);
-    EXPECT_EQ(refined.track_positions.empty(), pixels == 0);
+    ASSERT_TRUE(refined.alignment.misalignment.has_value());
+    EXPECT_EQ(refined.alignment.refinements.empty(), pixels == 0);
+    EXPECT_EQ(refined.alignment.track_positions.empty(), pixels == 0);
     for (size_t i = 0; i < refined.views.size(); ++i) {
       EXPECT_EQ(refined.views[i].cam_from_world_rotation ==
                     disturbed.views[i].cam_from_world_rotation,
@@ -183,13 +183,13 @@ TEST_F(RefineFacetwiseTest, OneImageThatIsOffDoesNoHarm) {
   const DisturbedCameras disturbed(2, 1);
   const RefinedMesh fixed = disturbed.Refine(options_, mesh_);
   EXPECT_FALSE(fixed.report.is_skipped);
-  EXPECT_EQ(MisalignedViews(fixed.report.misalignment.value()),
+  EXPECT_EQ(MisalignedViews(fixed.alignment.misalignment.value()),
             std::vector<uint32_t>{0});
   EXPECT_LT(MedianError(fixed.mesh), 0.2 * MedianError(mesh_));
   options_.cameras.parts = RefinedParts::kPoses;
   options_.cameras.only_if_misaligned = true;
   const RefinedMesh refined = disturbed.Refine(options_, mesh_);
-  EXPECT_FALSE(refined.report.cameras.empty());
+  EXPECT_FALSE(refined.alignment.refinements.empty());
   EXPECT_LT(MedianError(refined.mesh), 0.4 * MedianError(mesh_));
 }
 

@@ -118,7 +118,6 @@ class OutputsTest(FolderTest):
         (self.folder / "mesh.ply.vis").write_bytes(struct.pack("<Q3I", 4, 0, 0, 0))
         self.expect_fault(data, "vis cut off")
         self.expect_fault(b'{"a": NaN}', "NaN", "figures.json")
-        self.expect_fault(b"<svg>", "damaged", "plot.svg")
         self.expect_fault(b"<html>", "cut off", "page.html")
         self.expect_fault(b"1 2 3", "no region", "out.region.txt")
 
