@@ -17,7 +17,6 @@
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/viewing/live_view.h"
 #include "formats/atomic_file.h"
-#include "formats/picture_files.h"
 #include "formats/write_mesh.h"
 #include "mesh/mesh_in_image.h"
 #include "mesh/topology.h"
@@ -32,12 +31,9 @@ namespace {
 namespace fs = std::filesystem;
 
 // Writes a mesh whose faces are coloured by the pair of views that is best for
-// each (formats/write_mesh.h), and a picture of the same, PNG.
-void WriteLabels(const std::filesystem::path& path,
-                 const std::filesystem::path& picture_path,
-                 const RefinedMesh& refined, AtomicFiles* together) {
-  constexpr int kWidth = 1024;  // px, of the picture
-  constexpr int kHeight = 768;  // px
+// each (formats/write_mesh.h).
+void WriteLabels(const fs::path& path, const RefinedMesh& refined,
+                 AtomicFiles* together) {
   MeshLabels best{refined.labels.BestLabels(), {}, {}};
   for (const ViewPair& pair : refined.labels.pairs) {
     best.names.push_back(refined.views[pair.first].name + " " +
@@ -47,11 +43,6 @@ void WriteLabels(const std::filesystem::path& path,
     best.colors.push_back(LabelColor(label));
   }
   WriteLabeledMesh(path, refined.mesh, best, together);
-  WriteText(picture_path,
-            EncodePng(RenderMesh(refined.mesh,
-                                 AutomaticView(refined.mesh, kWidth, kHeight),
-                                 LabelColors(best.labels))),
-            together);
 }
 
 // One run of the command, from its files to its files.
@@ -139,9 +130,7 @@ class Refiner {
     options_.scene.region.WriteFound(input_.region, paths_.output, files);
     WriteReport(refined.report, files);
     if (!options_.labels_path.empty()) {
-      Report(progress_, "Drawing the labels", 0);
-      WriteLabels(options_.labels_path, options_.LabelsPicturePath(), refined,
-                  files);
+      WriteLabels(options_.labels_path, refined, files);
     }
   }
 
@@ -190,7 +179,7 @@ class Refiner {
       PrintWarning(
           fmt::format("the camera poses are too inaccurate ({:.2f} px): the "
                       "mesh was not refined, and is written unchanged. {}",
-                      refined.alignment.misalignment->by_cameras,
+                      refined.alignment.misalignment.by_cameras,
                       HasOneImageFrames(input_.sparse_model)
                           ? "Let --FacetwiseRefinement.refine_cameras poses "
                             "align them"
@@ -253,7 +242,7 @@ void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
   ExpectOutputs(
       {output, VisibilityPath(output), StatePath(output),
        options.scene.region.FoundPath(output), options.StepsPath(),
-       options.PagePath(), options.labels_path, options.LabelsPicturePath()},
+       options.PagePath(), options.labels_path},
       WorkspaceInputs(
           paths.folder, paths.fused, options.sparse_path,
           {paths.mesh, VisibilityPath(paths.mesh), options.scene.mask_path,

@@ -309,7 +309,7 @@ void WritePlan(const RefinementPlan& plan) {
   WriteJson(RefinementPlanPath(plan.folder),
             {{"inputs", plan.inputs},
              {"views", plan.views},
-             {"has_refined_cameras", plan.has_refined_cameras},
+             {"radial_shifts", plan.radial_shifts},
              {"tiles", plan.tiles}});
 }
 
@@ -349,7 +349,8 @@ RefinementPlan ReadRefinementPlan(const Plan& plan) {
         RefinementPlan refinement;
         refinement.inputs = json.at("inputs");
         refinement.views = json.at("views").get<std::vector<View>>();
-        refinement.has_refined_cameras = json.at("has_refined_cameras");
+        refinement.radial_shifts =
+            json.at("radial_shifts").get<std::vector<RadialShifts>>();
         refinement.tiles = json.at("tiles").get<std::vector<RefinementTile>>();
         return refinement;
       });

@@ -68,7 +68,7 @@ struct RefinementPlan {
   JobInputs inputs;              // files by their paths
   uint64_t identity = 0;         // of the inputs and the plan
   std::vector<View> views;       // the plan's, maybe with refined cameras
-  bool has_refined_cameras = false;
+  std::vector<RadialShifts> radial_shifts;  // [views] of lenses, or empty
   std::vector<RefinementTile> tiles;
 
   // Sets the folder and the identity.

@@ -1,5 +1,4 @@
-#include <map>
-#include <string>
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -16,18 +15,15 @@ namespace fs = std::filesystem;
 // [views] The index of each view's image in the model.
 std::vector<size_t> ImagesOf(const std::vector<View>& views,
                              const SparseModel& model, const fs::path& path) {
-  std::map<std::string, size_t> images;
-  for (size_t i = 0; i < model.images.size(); ++i) {
-    images.emplace(model.images[i].name, i);
-  }
   std::vector<size_t> of_views;
   for (const View& view : views) {
-    const auto found = images.find(view.name);
-    if (found == images.end()) {
+    const auto found =
+        std::ranges::find(model.images, view.name, &SparseImage::name);
+    if (found == model.images.end()) {
       throw FileError(path, "has no image " + view.name +
                                 ": it is not the model of the plan");
     }
-    of_views.push_back(found->second);
+    of_views.push_back(static_cast<size_t>(found - model.images.begin()));
   }
   return of_views;
 }
@@ -89,7 +85,7 @@ void RefineCameras(const RefinerOptions& options, const Plan& plan,
                          input.workspace.order.order.images, input.views,
                          input.camera_parts == RefinedParts::kPosesIntrinsics,
                          alignment.track_positions));
-  refinement->has_refined_cameras = true;
+  refinement->radial_shifts = alignment.misalignment.radial_shifts;
   for (size_t i = 0; i < plan.views.size(); ++i) {
     refinement->views[i] =
         ResizeView(input.views[i], plan.views[i].width, plan.views[i].height);

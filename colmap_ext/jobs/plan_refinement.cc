@@ -159,11 +159,8 @@ void Identify(const fs::path& mesh_path, const RefinerOptions& options,
 // One that cannot be read is made again.
 bool IsThere(const Plan& plan, const RefinementPlan& refinement) {
   try {
-    const RefinementPlan read = ReadRefinementPlan(plan);
-    return read.identity == refinement.identity &&
-           SurfaceFile(refinement).Exists() &&
-           read.has_refined_cameras ==
-               fs::exists(RefinedSparsePath(plan.folder));
+    return ReadRefinementPlan(plan).identity == refinement.identity &&
+           SurfaceFile(refinement).Exists();
   } catch (const FileError&) {
     return false;
   }
@@ -225,7 +222,7 @@ void PrintPlan(const RefinementPlan& plan, ReportLog* log) {
   PrintText("time, all tiles",
             fmt::format("{:.2f} h of a core", seconds / 3600), log);
   PrintText("cameras",
-            plan.has_refined_cameras
+            fs::exists(RefinedSparsePath(plan.folder))
                 ? "refined, " + RefinedSparsePath(plan.folder).string()
                 : "as they are",
             log);

@@ -194,6 +194,11 @@ TileInput ReadTileInput(const TileJob& job, const RefinerOptions& options,
   input.picture_errors.resize(input.views.size());
   ReadPictures(options, images_path, TileMasks(job, tile.views, decoder),
                decoder, &input);
+  std::vector<RadialShifts> shifts;
+  for (const uint32_t view : tile.views) {
+    AppendIfAny(job.refinement.radial_shifts, view, &shifts);
+  }
+  input.images->CorrectLenses(std::move(shifts));
   tile.inputs.options = {
       {"refinement", fmt::format("{}", job.refinement.identity)},
       {"tile", fmt::format("{}", job.tile)},

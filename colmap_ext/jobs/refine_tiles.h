@@ -27,9 +27,8 @@ void PlanRefinement(const RefinerOptions& options,
 std::filesystem::path ImagesPath(const Plan& plan);
 ReadGrayImage MasksOf(const Plan& plan, const PictureDecoder& decoder);
 
-// Sets the cameras of a plan's refinement: those of the plan or, if that is
-// asked for and they need it, refined by the surface as it is. These are also
-// written, as a sparse model.
+// Sets the cameras of a plan's refinement: the plan's or, if they are to be
+// refined and need it, AlignCameras()'s, which it also writes.
 // \throw FileError if the sparse model or a picture cannot be used
 void RefineCameras(const RefinerOptions& options, const Plan& plan,
                    const PictureDecoder& decoder, Console* console,

@@ -83,10 +83,9 @@ void ReadPictures(const RefinerOptions& options,
                   const ReadGrayImage& read_mask, const PictureDecoder& decoder,
                   RefinementInput* input);
 
-// Adds the sparse model, by whose tracks cameras are refined. Where they are
-// not, it tells how well they are aligned.
+// Adds the sparse model, by whose tracks cameras are refined or measured.
 // \param model  read in full
-// \pre the input has its views, images, and the order of the images
+// \pre the input has its views, images, and their order
 // \throw FileError if rigs are to be refined
 void SetSparseModel(const RefinerOptions& options, SparseModel model,
                     RefinementInput* input);

@@ -152,8 +152,7 @@ void WriteState(const fs::path& output, const JobInputs& inputs, int level,
                 const RefinedMesh& state, const RefinementReport& report) {
   ExpectManifold(state.mesh);
   const CameraAlignment& alignment = state.alignment;
-  const Misalignment misalignment =
-      alignment.misalignment.value_or(Misalignment());
+  const Misalignment& misalignment = alignment.misalignment;
   const CameraRefinementReport refined = alignment.IsRefined()
                                              ? alignment.refinements.back()
                                              : CameraRefinementReport();
@@ -163,16 +162,16 @@ void WriteState(const fs::path& output, const JobInputs& inputs, int level,
     ForEachCameraNumber(&view,
                         [&](double number) { cameras.push_back(number); });
   }
-  WriteJobFile(
-      StateFile(output), ValuesText(inputs.options), ValuesText(inputs.files),
-      level, state.mesh.vertices, state.mesh.facets, attributes.colors,
-      attributes.views, attributes.confidences, state.origins,
-      state.fixed_sources, cameras, alignment.misalignment.has_value(),
-      misalignment.by_cameras, misalignment.of_surface, misalignment.by_view,
-      alignment.track_positions, refined.track_sigma, refined.views,
-      report.num_shortened_steps, report.num_unconverged_solutions,
-      report.num_flipped_facets, report.num_removed_self_intersections,
-      report.labelings, report.steps);
+  WriteJobFile(StateFile(output), ValuesText(inputs.options),
+               ValuesText(inputs.files), level, state.mesh.vertices,
+               state.mesh.facets, attributes.colors, attributes.views,
+               attributes.confidences, state.origins, state.fixed_sources,
+               cameras, misalignment.by_cameras, misalignment.of_surface,
+               misalignment.by_view, misalignment.radial_shifts,
+               alignment.track_positions, refined.track_sigma, refined.views,
+               report.num_shortened_steps, report.num_unconverged_solutions,
+               report.num_flipped_facets, report.num_removed_self_intersections,
+               report.labelings, report.steps);
 }
 
 int ReadState(const fs::path& output, const JobInputs& inputs,
@@ -189,23 +188,19 @@ int ReadState(const fs::path& output, const JobInputs& inputs,
   }
   int level = 0;
   std::vector<double> cameras;
-  bool has_misalignment = false;
-  Misalignment misalignment;
+  Misalignment& misalignment = state->alignment.misalignment;
   CameraRefinementReport refined;
   VertexAttributes& attributes = state->attributes;
   RefinementReport& report = state->report;
   file.ReadFrom(
       2, &level, &state->mesh.vertices, &state->mesh.facets, &attributes.colors,
       &attributes.views, &attributes.confidences, &state->origins,
-      &state->fixed_sources, &cameras, &has_misalignment,
-      &misalignment.by_cameras, &misalignment.of_surface, &misalignment.by_view,
-      &state->alignment.track_positions, &refined.track_sigma, &refined.views,
-      &report.num_shortened_steps, &report.num_unconverged_solutions,
-      &report.num_flipped_facets, &report.num_removed_self_intersections,
-      &report.labelings, &report.steps);
-  if (has_misalignment) {
-    state->alignment.misalignment = std::move(misalignment);
-  }
+      &state->fixed_sources, &cameras, &misalignment.by_cameras,
+      &misalignment.of_surface, &misalignment.by_view,
+      &misalignment.radial_shifts, &state->alignment.track_positions,
+      &refined.track_sigma, &refined.views, &report.num_shortened_steps,
+      &report.num_unconverged_solutions, &report.num_flipped_facets,
+      &report.num_removed_self_intersections, &report.labelings, &report.steps);
   if (!refined.views.empty()) {
     state->alignment.refinements = {std::move(refined)};
   }

@@ -92,10 +92,6 @@ void AddPointOptions(CommandOptions* options, MesherOptions* mesher) {
                kPositive,
                "Expected noise of the points, as a multiple of the 25th "
                "percentile of edge lengths; higher is smoother");
-  options->Add(
-      ours + "weak_surfaces", &meshing->weak_surfaces,
-      "Keep weakly supported surface, such as textureless areas of an object "
-      "photographed from all sides; the rest gets slightly noisier");
   options->AddWord(
       ours + "half_pixel_correction", &mesher->half_pixel,
       {{"auto", HalfPixelCorrection::kAuto},
@@ -228,9 +224,6 @@ void AddMesherOptions(CommandOptions* options, MesherOptions* mesher) {
 
 void PlannerOptions::Finish() {
   RefuseIf(output_path.empty(), "--output_path is required: the plan's folder");
-  RefuseIf(mesher.meshing.weak_surfaces,
-           "DelaunayManifoldMeshing.weak_surfaces compares each ray with all "
-           "others, which no tile knows: omit it");
   mesher.Finish();
 }
 

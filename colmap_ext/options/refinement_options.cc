@@ -21,9 +21,6 @@ void CheckPaths(const RefinerOptions& options) {
   RefuseIf(options.workspace_path.empty(), "--workspace_path is required");
   RefuseIf(!options.input_path.empty() && options.output_path.empty(),
            "--output_path is required with --input_path");
-  RefuseIf(options.LabelsPicturePath() == options.labels_path &&
-               !options.labels_path.empty(),
-           "--labels_path is a PLY; the picture of the same name ends in .png");
 }
 
 // A plan determines what is refined.
@@ -73,7 +70,7 @@ void AddPathOptions(CommandOptions* options, RefinerOptions* refiner) {
   AddSparsePathOption(&refiner->sparse_path, options);
   options->Add("labels_path", &refiner->labels_path,
                "Write the mesh with faces colored by the image pair that "
-               "refined them, PLY, and a picture of it, PNG");
+               "refined them, PLY");
   options->Add("plan_path", &refiner->plan_path,
                "Plan folder. With input_path, the mesh of mesh_merger: plan "
                "the refinement. With tile: refine this tile");
@@ -268,10 +265,6 @@ fs::path RefinerOptions::StepsPath() const {
 
 fs::path RefinerOptions::PagePath() const {
   return WithExtension(report_path, ".html");
-}
-
-fs::path RefinerOptions::LabelsPicturePath() const {
-  return WithExtension(labels_path, ".png");
 }
 
 size_t RefinerOptions::MaxImageMemory() const {

@@ -62,7 +62,6 @@ struct RefinerOptions {
   // Paths of written files; empty if the option is.
   std::filesystem::path StepsPath() const;  // CSV
   std::filesystem::path PagePath() const;   // HTML
-  std::filesystem::path LabelsPicturePath() const;
 
   // Memory of the images of a level, of what is drawn into them, and the part
   // of the second that images may take too, bytes. The first two together are

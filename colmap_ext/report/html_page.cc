@@ -12,12 +12,6 @@
 namespace colmap_ext {
 namespace {
 
-// Bytes that are no UTF-8 become replacement characters, U+FFFD.
-std::string ValidUtf8(std::string_view text) {
-  return nlohmann::json::parse(nlohmann::json(text).dump(
-      -1, ' ', false, nlohmann::json::error_handler_t::replace));
-}
-
 // The style of all pages, for dark and light, narrow and wide windows.
 constexpr const char* kPageStyle = R"(
 :root { color-scheme: light dark; --page: #fbfbfa; --card: #ffffff;
@@ -287,8 +281,10 @@ std::string EscapeHtml(std::string_view text) {
   constexpr std::string_view kSpecial = "&<>\"'";
   constexpr const char* kEscaped[] = {"&amp;",  "&lt;",  "&gt;",
                                       "&quot;", "&#39;", "\xef\xbf\xbd"};
+  const std::string valid = nlohmann::json::parse(nlohmann::json(text).dump(
+      -1, ' ', false, nlohmann::json::error_handler_t::replace));
   std::string escaped;
-  for (const char c : ValidUtf8(text)) {
+  for (const char c : valid) {
     const bool is_control =
         static_cast<uint8_t>(c) < 0x20 && c != '\t' && c != '\n' && c != '\r';
     const size_t place = kSpecial.find(c);

@@ -80,40 +80,6 @@ void Warn(const std::vector<View>& views, const std::string& what,
   }
 }
 
-void PrintAlignment(const Misalignment& misalignment,
-                    const std::vector<View>& views, ReportLog* log) {
-  PrintHeading("Alignment of the images", log);
-  PrintNumber("off by, px of the surface", misalignment.by_cameras, log, 3);
-  PrintNumber("the surface before, px", misalignment.of_surface, log, 3);
-  const std::vector<uint32_t> misaligned = MisalignedViews(misalignment);
-  Warn(
-      views, "these images fit the others worse than the surface fits",
-      [&](size_t i) { return std::ranges::count(misaligned, i) > 0; }, log);
-}
-
-void PrintCameras(const CameraRefinementReport& report,
-                  const std::vector<View>& views, ReportLog* log) {
-  PrintHeading("Cameras", log);
-  PrintNumber("noise of the features, px", report.track_sigma, log, 3);
-  PrintText("", "      moved by, px       windows      features", log);
-  for (size_t i = 0; i < views.size(); ++i) {
-    const RefinedView& view = report.views[i];
-    PrintText(views[i].name,
-              fmt::format("{:18.3f}{:14}{:14}", view.motion, view.num_windows,
-                          view.num_observations),
-              log);
-  }
-  Warn(
-      views, fmt::format("these images moved by more than {} px", kFarMotion),
-      [&](size_t i) { return report.views[i].motion > kFarMotion; }, log);
-  Warn(
-      views, "these images did not converge",
-      [&](size_t i) { return report.views[i].last_motion > kConverged; }, log);
-  Warn(
-      views, "too little is seen by these images to refine them",
-      [&](size_t i) { return report.views[i].is_skipped; }, log);
-}
-
 using Steps = std::vector<RefinementStep>;
 
 // All sizes in px.
@@ -275,12 +241,44 @@ std::string Describe(const CameraRefinementReport& report) {
 
 void PrintReport(const CameraAlignment& alignment,
                  const std::vector<View>& views, ReportLog* log) {
-  if (alignment.misalignment) {
-    PrintAlignment(*alignment.misalignment, views, log);
+  const Misalignment& misalignment = alignment.misalignment;
+  PrintHeading("Alignment of the images", log);
+  PrintNumber("off by, px of the surface", misalignment.by_cameras, log, 3);
+  PrintNumber("the surface before, px", misalignment.of_surface, log, 3);
+  double largest = 0;
+  for (size_t i = 0; i < misalignment.radial_shifts.size(); ++i) {
+    for (const double shift : misalignment.radial_shifts[i]) {
+      largest = std::max(largest, std::abs(shift) * HalfDiagonal(views[i]));
+    }
   }
-  if (alignment.IsRefined()) {
-    PrintCameras(alignment.refinements.back(), views, log);
+  PrintNumber("errors of the lens, px", largest, log, 3);
+  const std::vector<uint32_t> misaligned = MisalignedViews(misalignment);
+  Warn(
+      views, "these images fit the others worse than the surface fits",
+      [&](size_t i) { return std::ranges::count(misaligned, i) > 0; }, log);
+  if (!alignment.IsRefined()) {
+    return;
   }
+  const CameraRefinementReport& report = alignment.refinements.back();
+  PrintHeading("Cameras", log);
+  PrintNumber("noise of the features, px", report.track_sigma, log, 3);
+  PrintText("", "      moved by, px       windows      features", log);
+  for (size_t i = 0; i < views.size(); ++i) {
+    const RefinedView& view = report.views[i];
+    PrintText(views[i].name,
+              fmt::format("{:18.3f}{:14}{:14}", view.motion, view.num_windows,
+                          view.num_observations),
+              log);
+  }
+  Warn(
+      views, fmt::format("these images moved by more than {} px", kFarMotion),
+      [&](size_t i) { return report.views[i].motion > kFarMotion; }, log);
+  Warn(
+      views, "these images did not converge",
+      [&](size_t i) { return report.views[i].last_motion > kConverged; }, log);
+  Warn(
+      views, "too little is seen by these images to refine them",
+      [&](size_t i) { return report.views[i].is_skipped; }, log);
 }
 
 std::string StepsCsv(const std::vector<RefinementStep>& steps) {

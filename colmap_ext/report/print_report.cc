@@ -39,9 +39,6 @@ void PrintCells(const ManifoldMeshingReport& report, ReportLog* log) {
   PrintNumber("distance sigma", report.distance_sigma, log);
   Print("rays walked", report.rays.num_rays, log);
   Print("  given up", report.rays.num_lost_rays, log);
-  if (report.num_sharp_rays > 0) {
-    Print("  strengthened", report.num_sharp_rays, log);
-  }
   Print("cell faces crossed", report.rays.num_steps, log);
   Print("maximum flow", report.flow, log);
   Print("minimum cut", report.cut, log);

@@ -101,10 +101,6 @@ class DelaunayManifoldMeshingOptions(BaseOptions):
     """Expected noise of the points, as a multiple of the 25th percentile of edge
     lengths; higher is smoother."""
 
-    weak_surfaces: bool = False
-    """Keep weakly supported surface, such as textureless areas of an object
-    photographed from all sides; the rest gets slightly noisier."""
-
     half_pixel_correction: Literal["auto", "full", "off"] = "auto"
     """Correct the half-pixel offset of COLMAP's fused points, by the amount that the
     sparse points show, by half a pixel, or not."""
@@ -214,8 +210,7 @@ class FacetwiseRefinementOptions(BaseOptions):
     WORKSPACE/sparse-refined. Default: WORKSPACE/sparse."""
 
     labels_path: Optional[StrPath] = None
-    """Write the mesh with faces colored by the image pair that refined them, PLY, and a
-    picture of it, PNG."""
+    """Write the mesh with faces colored by the image pair that refined them, PLY."""
 
     image_order: Literal["auto", "file", "image_id", "frame", "frame_id"] = "auto"
     """Order of the images by which .vis files number them. Set it if the command asks

@@ -101,6 +101,9 @@ class CameraRefinement {
       misalignment.of_surface = Median(&of_surface);
     }
     misalignment.by_view = Medians(std::move(by_view), 0, kMinPatches);
+    misalignment.radial_shifts = EstimateRadialShifts(
+        ViewsAtLevel(estimate_.cameras.views, report_.level),
+        original_.view_cameras, patches_.patches, shifts_);
     return misalignment;
   }
 
@@ -117,6 +120,7 @@ class CameraRefinement {
       if (!SolveCameras(evidence, original_, &estimate_)) {
         break;
       }
+      shifts_ = evidence.shifts;
       ++report_.num_rounds;
       for (size_t k = 0; k < patches_.patches.size(); ++k) {
         patches_.patches[k].displacement = estimate_.displacements[k];
@@ -334,6 +338,7 @@ class CameraRefinement {
   DrawnScene scene_;
   SurfacePatches patches_;
   CameraEstimate estimate_;
+  std::vector<ShiftMeasurement> shifts_;  // of the last round
   CameraRefinementReport report_;
 };
 

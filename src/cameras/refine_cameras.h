@@ -123,7 +123,21 @@ struct Misalignment {
   double of_surface = 0;
   std::vector<double> by_view;  // [views] by_cameras, of the patches chosen in
                                 // each; 0 where there are too few to tell
+  // [views] Of their lenses; empty if they explain nothing.
+  std::vector<RadialShifts> radial_shifts;
+  // Whether it is a good part of the surface's error, a choice.
+  bool IsLarge() const { return by_cameras > 0.5 * of_surface; }
 };
+
+// The distortion that COLMAP's camera model leaves: what explains shifts of
+// windows across the epipolar lines, where no surface does.
+// \param views  of the level
+// \param view_cameras  see CameraSet
+// \return [views] empty if no camera's explain a good part of its shifts
+std::vector<RadialShifts> EstimateRadialShifts(
+    const std::vector<View>& views, const std::vector<uint32_t>& view_cameras,
+    const std::vector<SurfacePatch>& patches,
+    const std::vector<ShiftMeasurement>& shifts);
 
 // What the cameras are refined by. References are kept.
 struct CameraInput {

@@ -76,8 +76,7 @@ class Voter {
   // \param places  of the observations' points
   Voter(const Tetrahedralization& tetrahedra, const Observations& observations,
         const std::vector<Place>& places, const std::vector<Place>& centers,
-        const VisibilityWeightOptions& options, FlowCapacities* graph,
-        std::vector<uint32_t>* free_support)
+        const VisibilityWeightOptions& options, FlowCapacities* graph)
       : tetrahedra_(tetrahedra),
         observations_(observations),
         places_(places),
@@ -86,8 +85,7 @@ class Voter {
         near_distance_(kNearSigmas * options.distance_sigma),
         normalization_(-0.5 /
                        (options.distance_sigma * options.distance_sigma)),
-        graph_(graph),
-        free_support_(free_support) {}
+        graph_(graph) {}
 
   // \param begin, end  vertices
   void VoteBlock(uint32_t begin, uint32_t end) {
@@ -184,12 +182,6 @@ class Voter {
     } else {
       PushAlong(behind, ray, &Crossing::entry_arc, &NodeCapacities::sink);
     }
-    if (free_support_ != nullptr) {
-      for (const Crossing& crossing : front.crossings) {
-        AddCapacity(weight, &(*free_support_)[crossing.exit_arc / 4]);
-      }
-      AddCapacity(weight, &(*free_support_)[front.end]);
-    }
   }
 
   // Adds to the cell where a ray ends. If that is outside the hull of a tile,
@@ -279,7 +271,6 @@ class Voter {
   const double near_distance_;
   const double normalization_;
   FlowCapacities* graph_;
-  std::vector<uint32_t>* free_support_;  // [cells], or null
   RayReport report_;
   std::vector<uint32_t> star_;  // scratch
   std::vector<Ray> rays_;       // of a batch
@@ -318,12 +309,9 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                const Observations& observations,
                                const std::vector<Eigen::Vector3d>& centers,
                                const VisibilityWeightOptions& options,
-                               FlowCapacities* graph, const Progress& progress,
-                               std::vector<uint32_t>* free_support) {
+                               FlowCapacities* graph,
+                               const Progress& progress) {
   Report(progress, kStage, 0);
-  if (free_support != nullptr) {
-    free_support->assign(tetrahedra.cells.size(), 0);
-  }
   const std::vector<Place> places =
       LocatePoints(tetrahedra, observations.points);
   const std::vector<Place> located = LocateCenters(tetrahedra, centers);
@@ -333,8 +321,7 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
   size_t num_done = 0;
   RayReport report;
   tbb::parallel_for(uint32_t{0}, num_blocks, [&](uint32_t block) {
-    Voter voter(tetrahedra, observations, places, located, options, graph,
-                free_support);
+    Voter voter(tetrahedra, observations, places, located, options, graph);
     voter.VoteBlock(block * kBlock, std::min(num_rows, (block + 1) * kBlock));
     const std::lock_guard lock(mutex);
     report += voter.report();

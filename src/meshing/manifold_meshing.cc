@@ -70,16 +70,9 @@ FlowCapacities MakeGraph(const ManifoldMeshingOptions& options,
       ObserveVertices(weighted.cloud, tetrahedra.points.size(),
                       thinned.point_vertices, weighted.weights);
   observations.is_end = is_end;
-  const VisibilityWeightOptions ray_options{report->distance_sigma,
-                                            options.behind_sigma};
-  std::vector<uint32_t> free_support;
   report->rays = AddVisibilityWeights(
-      tetrahedra, observations, centers, ray_options, &graph, progress,
-      options.weak_surfaces ? &free_support : nullptr);
-  if (options.weak_surfaces) {
-    report->num_sharp_rays = AddWeakSurfaceWeights(
-        tetrahedra, observations, centers, free_support, ray_options, &graph);
-  }
+      tetrahedra, observations, centers,
+      {report->distance_sigma, options.behind_sigma}, &graph, progress);
   return graph;
 }
 

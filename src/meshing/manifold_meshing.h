@@ -60,11 +60,6 @@ struct ManifoldMeshingOptions {
   // of them reach through thin parts and out of them again.
   double behind_sigma = 1.0;
 
-  // Strengthen matter where the support of free space ends sharply behind a
-  // point (AddWeakSurfaceWeights). Keeps parts that few points support, such
-  // as surface without texture, and makes the rest slightly noisier.
-  bool weak_surfaces = false;
-
   // The weight of the surface quality term (AddQualityWeights) relative to one
   // observation. A higher value makes the surface smoother. In [0, 10000].
   double quality_regularization = 1.0;
@@ -112,7 +107,6 @@ struct ManifoldMeshingReport {
   double distance_sigma = 0;        // scene units
 
   RayReport rays;
-  size_t num_sharp_rays = 0;  // strengthened, where weak_surfaces asks for it
 
   int64_t flow = 0;  // of the maximum flow, in units of 1 / kWeightUnit
   int64_t cut = 0;   // the minimum cut's value, summed over its arcs

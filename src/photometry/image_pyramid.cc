@@ -15,16 +15,19 @@ size_t NumPixels(const View& view) {
   return static_cast<size_t>(view.width) * view.height;
 }
 
+cv::Mat MatOf(const GrayImage& image) {
+  // OpenCV has no views of constant pixels.
+  return {image.height, image.width, CV_8U,
+          const_cast<uint8_t*>(image.pixels.data())};
+}
+
 // A pixel is the mean of those that it covers.
 // \param size  has the width and height
 GrayImage Resize(const GrayImage& image, const View& size) {
   GrayImage resized{size.width, size.height, {}};
   resized.pixels.resize(NumPixels(size));
-  // OpenCV has no views of constant pixels.
-  const cv::Mat from(image.height, image.width, CV_8U,
-                     const_cast<uint8_t*>(image.pixels.data()));
-  cv::Mat to(size.height, size.width, CV_8U, resized.pixels.data());
-  cv::resize(from, to, to.size(), 0, 0, cv::INTER_AREA);
+  cv::Mat to = MatOf(resized);
+  cv::resize(MatOf(image), to, to.size(), 0, 0, cv::INTER_AREA);
   return resized;
 }
 
@@ -35,6 +38,34 @@ GrayImage ResizeMask(const GrayImage& mask, const View& size) {
     pixel = pixel == 255 ? 255 : 0;
   }
   return resized;
+}
+
+// What a pinhole camera would show in place of a lens.
+GrayImage WithoutShifts(const GrayImage& image, const View& view,
+                        const RadialShifts& shifts) {
+  constexpr int kNumSteps = std::tuple_size_v<RadialShifts> - 1;
+  GrayImage corrected{image.width, image.height, {}};
+  corrected.pixels.resize(image.pixels.size());
+  cv::Mat cols(image.height, image.width, CV_32F);
+  cv::Mat rows(image.height, image.width, CV_32F);
+  const double half = HalfDiagonal(view);
+  for (int row = 0; row < image.height; ++row) {
+    for (int col = 0; col < image.width; ++col) {
+      const double u = col + 0.5 - view.cx;
+      const double v = row + 0.5 - view.cy;
+      const double distance = std::max(std::hypot(u, v) / half, 1e-9);
+      const double place = std::min(distance, 1.0) * kNumSteps;
+      const int step = std::min(static_cast<int>(place), kNumSteps - 1);
+      const double shift =
+          std::lerp(shifts[step], shifts[step + 1], place - step);
+      cols.at<float>(row, col) = static_cast<float>(col + u * shift / distance);
+      rows.at<float>(row, col) = static_cast<float>(row + v * shift / distance);
+    }
+  }
+  cv::Mat to = MatOf(corrected);
+  cv::remap(MatOf(image), to, cols, rows, cv::INTER_LANCZOS4,
+            cv::BORDER_REPLICATE);
+  return corrected;
 }
 
 bool HasSizeOf(const View& view, const GrayImage& image) {
@@ -139,11 +170,20 @@ void ImagePyramid::SetViews(std::vector<View> views) {
   level_views_ = ViewsAtLevel(views_, level_);
 }
 
+void ImagePyramid::CorrectLenses(std::vector<RadialShifts> shifts) {
+  radial_shifts_ = std::move(shifts);
+  full_images_.Clear();
+  level_images_.Clear();
+}
+
 std::shared_ptr<const GrayImage> ImagePyramid::FullImage(size_t view) {
   return full_images_.Get(view, NumPixels(views_[view]), [&] {
-    auto image = std::make_shared<const GrayImage>(read_image_(view));
-    ExpectSize(*image, views_[view]);
-    return image;
+    GrayImage image = read_image_(view);
+    ExpectSize(image, views_[view]);
+    return std::make_shared<const GrayImage>(
+        radial_shifts_.empty()
+            ? std::move(image)
+            : WithoutShifts(image, views_[view], radial_shifts_[view]));
   });
 }
 

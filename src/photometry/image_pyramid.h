@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -9,6 +11,16 @@
 #include "scene/view.h"
 
 namespace colmap_ext {
+
+// How much farther from the principal point a lens shows points than a pinhole
+// camera, in half diagonals of the image: at equal steps of the distance, from
+// 0, where it is 0, to half the diagonal; linear between.
+using RadialShifts = std::array<double, 17>;
+
+// Half of the image's diagonal, px.
+inline double HalfDiagonal(const View& view) {
+  return std::hypot(view.width, view.height) / 2;
+}
 
 // The views of images halved `level` times; sizes are rounded up.
 std::vector<View> ViewsAtLevel(std::vector<View> views, int level);
@@ -56,6 +68,11 @@ class ImagePyramid {
   //      pyramid meanwhile
   void SetViews(std::vector<View> views);
 
+  // Shows from now on what pinhole cameras would show.
+  // \param shifts  [views] of the lenses; empty: none
+  // \pre no other thread uses the pyramid meanwhile
+  void CorrectLenses(std::vector<RadialShifts> shifts);
+
   // \throw what read_image throws; std::runtime_error if the image is not of
   //        its view's size.
   std::shared_ptr<const GrayImage> Image(size_t view);
@@ -77,6 +94,7 @@ class ImagePyramid {
 
   std::vector<View> views_;
   std::vector<View> level_views_;
+  std::vector<RadialShifts> radial_shifts_;  // [views], or empty
   ReadGrayImage read_image_;
   ReadGrayImage read_mask_;
   size_t max_memory_;

@@ -15,13 +15,6 @@
 namespace colmap_ext {
 namespace {
 
-// Whether the cameras would move the surface by a good part of its error. The
-// share is a choice.
-bool IsLarge(const Misalignment& misalignment) {
-  constexpr double kMinShare = 0.5;
-  return misalignment.by_cameras > kMinShare * misalignment.of_surface;
-}
-
 class Refinement {
  public:
   Refinement(const FacetwiseRefinementOptions& options, RefinementStart start,
@@ -149,12 +142,14 @@ class Refinement {
                    : AlignCameras(options_, *cameras_, state_.mesh, points_,
                                   energy_, hooks_, &state_.views);
     if (options_.cameras.parts != RefinedParts::kNothing) {
+      cameras_->images->CorrectLenses(
+          state_.alignment.misalignment.radial_shifts);
       return true;
     }
     // Multiple of the usual error above which a view does harm, a choice.
     constexpr double kOutlier = 3;
-    const Misalignment& misalignment = *state_.alignment.misalignment;
-    if (IsLarge(misalignment)) {
+    const Misalignment& misalignment = state_.alignment.misalignment;
+    if (misalignment.IsLarge()) {
       AverageOverPairs();
     }
     const std::vector<uint32_t> outliers =
@@ -257,15 +252,17 @@ CameraAlignment AlignCameras(const FacetwiseRefinementOptions& options,
                        cameras.images.get()};
   };
   CameraAlignment alignment;
-  bool is_needed = method.parts != RefinedParts::kNothing;
-  if (!is_needed || method.only_if_misaligned) {
-    Report(hooks.progress, "Measuring the images' alignment", 0);
-    alignment.misalignment = MeasureMisalignment(
-        method, input(*draw(kMeasuredLevel)), {*views, cameras.view_cameras});
-    is_needed =
-        is_needed && (IsLarge(*alignment.misalignment) ||
-                      !MisalignedViews(*alignment.misalignment).empty());
+  Misalignment& misalignment = alignment.misalignment;
+  Report(hooks.progress, "Measuring the images' alignment", 0);
+  misalignment = MeasureMisalignment(method, input(*draw(kMeasuredLevel)),
+                                     {*views, cameras.view_cameras});
+  if (method.parts == RefinedParts::kNothing) {
+    return alignment;
   }
+  cameras.images->CorrectLenses(misalignment.radial_shifts);
+  const bool is_needed = !method.only_if_misaligned || misalignment.IsLarge() ||
+                         !MisalignedViews(misalignment).empty() ||
+                         !misalignment.radial_shifts.empty();
   for (int level = options.levels - 1; is_needed && level >= 0; --level) {
     Report(hooks.progress, "Refining the cameras", 0);
     RefinedCameras refined = RefineCameras(

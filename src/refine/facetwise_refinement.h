@@ -120,12 +120,10 @@ struct RefinableCameras {
 
 // How well cameras are aligned, and what was done about it.
 struct CameraAlignment {
-  // At the start, where it decided what became of them.
-  std::optional<Misalignment> misalignment;
+  Misalignment misalignment;                        // at the start
   std::vector<CameraRefinementReport> refinements;  // one a level, or none
   // Of the sparse model's points, by the refined views; empty if none were.
   std::vector<Eigen::Vector3d> track_positions;
-
   bool IsRefined() const { return !refinements.empty(); }
 };
 
@@ -180,9 +178,9 @@ struct RefinementHooks {
   std::function<bool()> should_stop;
 };
 
-// Refines the cameras by a surface as it is, coarse to fine, as
-// options.cameras has it: if only where they are misaligned, that is measured
-// first, as it is where they are fixed (docs/method.md, section 7.7).
+// Measures how well the cameras are aligned. Unless they are fixed, corrects
+// errors of lenses in the images, and refines the cameras by the surface as it
+// is, as options.cameras has it (docs/method.md, section 7.7).
 //
 // \param points  see RefineFacetwise()
 // \param views [in,out] the cameras as they are now

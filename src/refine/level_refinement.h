@@ -41,11 +41,8 @@ using OnLevelStep =
     std::function<bool(const RefinementStep& step, const TriangleMesh& mesh)>;
 
 // Moves a mesh's vertices along their normals, so that the energy, photometric
-// and smoothness, falls (docs/method.md, sections 6 and 7.3). Each step is
-// Gauss-Newton's (or each vertex's by itself) made longer, limited to a part of
-// the edges' lengths and a pixel, shortened where it would turn a facet over or
-// let two cross, and halved until the energy falls. It ends after
-// options.iterations steps, or when a step hardly lowers the energy.
+// and smoothness, falls (docs/method.md, sections 6 and 7.3), until a step
+// hardly lowers it, at most options.iterations times.
 //
 // The first `pairs_per_facet` labels of each facet are used first, all of them
 // in the final iterations, which only the finest level has: progress needs many
@@ -57,8 +54,6 @@ using OnLevelStep =
 // not flatten it; and facets that are not compared follow their surroundings.
 // After two iterations at the finest level the smoothness aims at the part of
 // the input's relief that the refined surface shows too (ReliefShares()).
-// How much smoothness weighs there is taken from the surface
-// (refine/smoothness_model.h).
 //
 // \pre `energy` is set to the level
 RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,

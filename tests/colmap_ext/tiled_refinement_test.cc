@@ -155,6 +155,7 @@ TEST_F(TiledRefinementTest, RefinesTheCamerasOfThePlan) {
   const double error = Error(refined_);
   const std::string plan = ReadFile(plan_ / "refine.json");
   const std::string images = ReadFile(sparse / "images.bin");
+  fs::remove(plan_ / "refine.json");
   fs::remove_all(sparse);
   Succeed(PlanRefinement(" @num_threads 1"));
   EXPECT_TRUE(ReadFile(plan_ / "refine.json") == plan);

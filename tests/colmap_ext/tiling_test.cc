@@ -234,7 +234,6 @@ TEST_F(TilingTest, RefusesWhatDoesNotFitTogether) {
   fs::create_directories(plan_ / "plan.json");
   ExpectRefusal(MakeTile(0), "plan.json: not a file: run mesh_planner");
   fs::remove_all(plan_);
-  ExpectRefusal(MakePlan(2, " @weak_surfaces 1"), "weak_surfaces");
   ExpectRefusal(MakePlan(100000), "too few points for 100000 tiles");
   EXPECT_FALSE(fs::exists(plan_));
   Succeed(MakePlan(2));

@@ -36,7 +36,7 @@ struct RefinementStateTest : testing::Test {
     report.steps[1].is_final = true;
     report.steps[1].photometric_energy = kInfinity;
     CameraAlignment& alignment = state_.alignment;
-    alignment.misalignment = {1.0 / 3, 0.1, {0, 1e-300}};
+    alignment.misalignment = {1.0 / 3, 0.1, {0, 1e-300}, {{1.0 / 3}, {}}};
     alignment.track_positions = {{1.0 / 3, 0, 1e-300}};
     alignment.refinements.resize(1);
     alignment.refinements[0].track_sigma = 0.1;
@@ -82,9 +82,10 @@ TEST_F(RefinementStateTest, IsReadBackAsItWas) {
   ASSERT_EQ(read.report.steps.size(), 2u);
   EXPECT_TRUE(std::isnan(read.report.steps[0].energy));
   EXPECT_TRUE(read.report.steps[1].is_final);
-  ASSERT_TRUE(read.alignment.misalignment);
-  EXPECT_EQ(read.alignment.misalignment->by_view,
-            state_.alignment.misalignment->by_view);
+  EXPECT_EQ(read.alignment.misalignment.by_view,
+            state_.alignment.misalignment.by_view);
+  EXPECT_EQ(read.alignment.misalignment.radial_shifts,
+            state_.alignment.misalignment.radial_shifts);
   ASSERT_EQ(read.alignment.refinements.size(), 1u);
   EXPECT_EQ(read.alignment.refinements[0].views[1].motion, 1.0 / 3);
   // All else, by what is written of it.

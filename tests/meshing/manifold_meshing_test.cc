@@ -98,7 +98,7 @@ ManifoldMeshingOptions KeepAll() {
 }
 
 std::vector<ManifoldMeshingOptions> Variants() {
-  std::vector<ManifoldMeshingOptions> variants(7);
+  std::vector<ManifoldMeshingOptions> variants(6);
   variants[1].max_proj_dist = 0;
   variants[2].preemptive_fixing = false;
   variants[3].fixing_rule = FixingRule::kPaper;
@@ -108,7 +108,6 @@ std::vector<ManifoldMeshingOptions> Variants() {
   variants[5].max_side_length_factor = 1;
   variants[5].max_side_length_percentile = 60;
   variants[5].min_component_faces = 20;
-  variants[6].weak_surfaces = true;
   return variants;
 }
 

@@ -110,7 +110,6 @@ TEST(RefinerOptionsTest, RefusesImpossiblePathsAndEvenWindows) {
   R none;
   ExpectRefused(&none, "--workspace_path is required");
   ExpectChangeRefused([](R* o) { o->input_path = "a"; }, "--output_path");
-  ExpectChangeRefused([](R* o) { o->labels_path = "a.png"; }, "--labels_path");
   ExpectChangeRefused([](R* o) { o->window = 4; }, "window must be odd");
 }
 

@@ -143,6 +143,41 @@ TEST(ImagePyramid, ShowsTheSameAtTheSamePlace) {
   }
 }
 
+// A lens shows at x + e(x) what a pinhole camera shows at x.
+TEST(ImagePyramid, ShowsWhatAPinholeCameraWould) {
+  const View view = ViewOfSize(256, 192);
+  RadialShifts lens{};
+  for (size_t k = 1; k < lens.size(); ++k) {
+    lens[k] = 0.9 * std::sin(0.4 * static_cast<double>(k)) / HalfDiagonal(view);
+  }
+  RadialShifts inverse = lens;
+  for (double& shift : inverse) {
+    shift = -shift;
+  }
+  const GrayImage image = SmoothImage(view);
+  const auto through = [&](const GrayImage& from, const RadialShifts& shifts) {
+    ImagePyramid pyramid(
+        {view}, [&](size_t) { return from; }, SIZE_MAX);
+    EXPECT_EQ(pyramid.Image(0)->pixels, from.pixels);
+    pyramid.CorrectLenses({shifts});
+    const GrayImage shown = *pyramid.Image(0);
+    pyramid.CorrectLenses({});
+    EXPECT_EQ(pyramid.Image(0)->pixels, from.pixels);
+    return shown;
+  };
+  const auto difference = [&](const GrayImage& a) {
+    double sum = 0;
+    for (int row = 8; row < a.height - 8; ++row) {
+      for (int col = 8; col < a.width - 8; ++col) {
+        sum += std::abs(a.At(row, col) - image.At(row, col));
+      }
+    }
+    return sum;
+  };
+  const GrayImage shifted = through(image, inverse);
+  EXPECT_LT(difference(through(shifted, lens)), 0.2 * difference(shifted));
+}
+
 struct ImagePyramidMemoryTest : testing::Test {
   static constexpr size_t kSize = 64;  // of an image, bytes
 
