@@ -62,17 +62,17 @@ void PrintMesh(const MeshReport& mesh, ReportLog* log) {
   PrintTopology(mesh, log);
 }
 
-using Json = nlohmann::ordered_json;
+using Ordered = nlohmann::ordered_json;
 
 // Rounded to 9 significant digits; null if not finite.
-Json ToJson(double number) {
+Ordered ToJson(double number) {
   if (!std::isfinite(number)) {
     return nullptr;
   }
   return std::strtod(fmt::format("{:.9g}", number).c_str(), nullptr);
 }
 
-Json ToJson(const DistanceStatistics& statistics) {
+Ordered ToJson(const DistanceStatistics& statistics) {
   return {{"mean", ToJson(statistics.mean)},
           {"median", ToJson(statistics.median)},
           {"percentile90", ToJson(statistics.percentile90)},
@@ -80,9 +80,9 @@ Json ToJson(const DistanceStatistics& statistics) {
           {"num_beyond", statistics.num_beyond}};
 }
 
-Json ToJson(const DepthErrors& depths) {
-  Json thresholds = Json::array();
-  Json shares = Json::array();
+Ordered ToJson(const DepthErrors& depths) {
+  Ordered thresholds = Ordered::array();
+  Ordered shares = Ordered::array();
   for (size_t i = 0; i < depths.thresholds.size(); ++i) {
     thresholds.push_back(ToJson(depths.thresholds[i]));
     shares.push_back(ToJson(depths.Share(i)));
@@ -93,7 +93,7 @@ Json ToJson(const DepthErrors& depths) {
           {"num_missing", depths.num_missing}};
 }
 
-Json ToJson(const MeshReport& mesh) {
+Ordered ToJson(const MeshReport& mesh) {
   return {{"is_manifold", mesh.IsManifold()},
           {"defects", mesh.Defects()},
           {"num_vertices", mesh.num_vertices},
@@ -103,7 +103,7 @@ Json ToJson(const MeshReport& mesh) {
           {"num_border_edges", mesh.num_border_edges},
           {"num_border_loops", mesh.num_border_loops},
           {"euler", mesh.euler},
-          {"genus", mesh.IsManifold() ? Json(mesh.genus) : Json()},
+          {"genus", mesh.IsManifold() ? Ordered(mesh.genus) : Ordered()},
           {"num_singular_vertices", mesh.num_singular_vertices},
           {"num_non_manifold_edges", mesh.num_non_manifold_edges}};
 }
@@ -131,22 +131,23 @@ void PrintEvaluation(const EvaluatorOptions& options,
 std::string EvaluationJson(const EvaluatorOptions& options,
                            const MeshEvaluation& evaluation) {
   const auto& distances = evaluation.distances;
-  const Json json = {
+  const Ordered json = {
       {"mesh_path", options.mesh_path},
       {"truth_path", options.truth_path},
       {"workspace_path", options.workspace_path},
       {"stride", options.evaluation.stride},
       {"beyond", options.evaluation.drop_beyond ? "dropped" : "clipped"},
       {"num_images", evaluation.num_views},
-      {"max_distance", distances ? ToJson(distances->max_distance) : Json()},
-      {"spacing", distances ? ToJson(distances->spacing) : Json()},
-      {"accuracy", distances ? ToJson(distances->accuracy) : Json()},
-      {"completeness", distances ? ToJson(distances->completeness) : Json()},
-      {"average_score", distances ? ToJson(distances->AverageScore()) : Json()},
-      {"depths", evaluation.depths ? ToJson(*evaluation.depths) : Json()},
+      {"max_distance", distances ? ToJson(distances->max_distance) : Ordered()},
+      {"spacing", distances ? ToJson(distances->spacing) : Ordered()},
+      {"accuracy", distances ? ToJson(distances->accuracy) : Ordered()},
+      {"completeness", distances ? ToJson(distances->completeness) : Ordered()},
+      {"average_score",
+       distances ? ToJson(distances->AverageScore()) : Ordered()},
+      {"depths", evaluation.depths ? ToJson(*evaluation.depths) : Ordered()},
       {"topology", ToJson(evaluation.topology)}};
   // Names of files may be in any encoding.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(2, ' ', false, Ordered::error_handler_t::replace) + "\n";
 }
 
 }  // namespace colmap_ext

@@ -58,15 +58,15 @@ CrossShift Across(const std::vector<View>& views,
 // Holds the first at 0, and all small and smooth, as if measured.
 // \param noise  of the shifts, px
 StepMatrix Regularization(double noise) {
-  // Standard deviation, px, and the weight of bends against it: choices.
+  // Standard deviation, px, and the weight of slopes against it: choices.
   constexpr double kSize = 0.3;
   constexpr double kSmooth = 20;
   StepMatrix matrix = StepMatrix::Identity();
   matrix(0, 0) = 1e9;
-  for (int k = 1; k < kNumSteps; ++k) {
-    StepVector bend = StepVector::Zero();
-    bend.segment<3>(k - 1) << 1, -2, 1;
-    matrix += kSmooth * bend * bend.transpose();
+  for (int k = 0; k < kNumSteps; ++k) {
+    StepVector slope = StepVector::Zero();
+    slope.segment<2>(k) << -1, 1;
+    matrix += kSmooth * slope * slope.transpose();
   }
   return noise * noise / (kSize * kSize) * matrix;
 }
