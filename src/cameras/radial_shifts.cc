@@ -79,9 +79,9 @@ struct CameraSums {
   double before = 0;  // weighted squares of the shifts
   double after = 0;   // ... and of what is left
 
-  // A good part of the squares, and more than by chance: choices.
+  // More than chance does: windows of a patch share errors. Choices.
   bool Explains() const {
-    return before - after > (0.02 + 5 * kNumSteps / count) * before;
+    return before - after > (0.02 + 20 * kNumSteps / count) * before;
   }
 };
 
