@@ -64,7 +64,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RefinementTile, color, margin, pixels,
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
+using PlanJson = nlohmann::json;
 
 constexpr int kVersion = 7;  // of both files
 
@@ -72,11 +72,11 @@ constexpr char kPlanAgain[] = "run mesh_planner";
 constexpr char kPlanRefinementAgain[] =
     "run facetwise_refiner --plan_path PLAN --input_path MESH";
 
-std::string ChecksumOf(const Json& json) {
+std::string ChecksumOf(const PlanJson& json) {
   return fmt::format("{:016x}", HashBytes(json.dump()));
 }
 
-void WriteJson(const fs::path& path, Json json) {
+void WriteJson(const fs::path& path, PlanJson json) {
   json["version"] = kVersion;
   json["checksum"] = ChecksumOf(json);
   WriteText(path, json.dump(1) + "\n");
@@ -94,7 +94,7 @@ auto ReadJson(const fs::path& path, const std::string& what_to_do,
                         what_to_do);
   }
   try {
-    Json json = Json::parse(file);
+    PlanJson json = PlanJson::parse(file);
     if (json.at("version") != kVersion) {
       throw FileError(
           path, fmt::format("has the version {}, not {}: {}",
@@ -105,7 +105,7 @@ auto ReadJson(const fs::path& path, const std::string& what_to_do,
     if (checksum == ChecksumOf(json)) {
       return make(json);
     }
-  } catch (const Json::exception&) {
+  } catch (const PlanJson::exception&) {
   }
   throw FileError(path, "damaged or edited: " + what_to_do);
 }
@@ -292,13 +292,13 @@ fs::path RefinedSparsePath(const fs::path& folder) {
 }
 
 void WritePlan(const Plan& plan) {
-  Json json = {{"workspace", plan.workspace_path.string()},
-               {"sparse", plan.sparse_path.string()},
-               {"inputs", plan.inputs},
-               {"distance_sigma", plan.distance_sigma},
-               {"views", plan.views},
-               {"tiles", plan.tiles},
-               {"merger_memory_gb", plan.merger_memory_gb}};
+  PlanJson json = {{"workspace", plan.workspace_path.string()},
+                   {"sparse", plan.sparse_path.string()},
+                   {"inputs", plan.inputs},
+                   {"distance_sigma", plan.distance_sigma},
+                   {"views", plan.views},
+                   {"tiles", plan.tiles},
+                   {"merger_memory_gb", plan.merger_memory_gb}};
   if (plan.region) {
     json["region"] = *plan.region;
   }
@@ -314,7 +314,7 @@ void WritePlan(const RefinementPlan& plan) {
 }
 
 Plan ReadPlan(const fs::path& folder) {
-  return ReadJson(PlanPath(folder), kPlanAgain, [&](const Json& json) {
+  return ReadJson(PlanPath(folder), kPlanAgain, [&](const PlanJson& json) {
     Plan plan;
     plan.folder = folder;
     plan.workspace_path = std::string(json.at("workspace"));
@@ -345,7 +345,7 @@ Plan ReadPlan(const fs::path& folder, uint32_t tile) {
 RefinementPlan ReadRefinementPlan(const Plan& plan) {
   const fs::path path = RefinementPlanPath(plan.folder);
   RefinementPlan read =
-      ReadJson(path, kPlanRefinementAgain, [&](const Json& json) {
+      ReadJson(path, kPlanRefinementAgain, [&](const PlanJson& json) {
         RefinementPlan refinement;
         refinement.inputs = json.at("inputs");
         refinement.views = json.at("views").get<std::vector<View>>();

@@ -62,17 +62,17 @@ void PrintMesh(const MeshReport& mesh, ReportLog* log) {
   PrintTopology(mesh, log);
 }
 
-using Ordered = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
 // Rounded to 9 significant digits; null if not finite.
-Ordered ToJson(double number) {
+Json ToJson(double number) {
   if (!std::isfinite(number)) {
     return nullptr;
   }
   return std::strtod(fmt::format("{:.9g}", number).c_str(), nullptr);
 }
 
-Ordered ToJson(const DistanceStatistics& statistics) {
+Json ToJson(const DistanceStatistics& statistics) {
   return {{"mean", ToJson(statistics.mean)},
           {"median", ToJson(statistics.median)},
           {"percentile90", ToJson(statistics.percentile90)},
@@ -80,9 +80,9 @@ Ordered ToJson(const DistanceStatistics& statistics) {
           {"num_beyond", statistics.num_beyond}};
 }
 
-Ordered ToJson(const DepthErrors& depths) {
-  Ordered thresholds = Ordered::array();
-  Ordered shares = Ordered::array();
+Json ToJson(const DepthErrors& depths) {
+  Json thresholds = Json::array();
+  Json shares = Json::array();
   for (size_t i = 0; i < depths.thresholds.size(); ++i) {
     thresholds.push_back(ToJson(depths.thresholds[i]));
     shares.push_back(ToJson(depths.Share(i)));
@@ -93,7 +93,7 @@ Ordered ToJson(const DepthErrors& depths) {
           {"num_missing", depths.num_missing}};
 }
 
-Ordered ToJson(const MeshReport& mesh) {
+Json ToJson(const MeshReport& mesh) {
   return {{"is_manifold", mesh.IsManifold()},
           {"defects", mesh.Defects()},
           {"num_vertices", mesh.num_vertices},
@@ -103,7 +103,7 @@ Ordered ToJson(const MeshReport& mesh) {
           {"num_border_edges", mesh.num_border_edges},
           {"num_border_loops", mesh.num_border_loops},
           {"euler", mesh.euler},
-          {"genus", mesh.IsManifold() ? Ordered(mesh.genus) : Ordered()},
+          {"genus", mesh.IsManifold() ? Json(mesh.genus) : Json()},
           {"num_singular_vertices", mesh.num_singular_vertices},
           {"num_non_manifold_edges", mesh.num_non_manifold_edges}};
 }
@@ -131,23 +131,22 @@ void PrintEvaluation(const EvaluatorOptions& options,
 std::string EvaluationJson(const EvaluatorOptions& options,
                            const MeshEvaluation& evaluation) {
   const auto& distances = evaluation.distances;
-  const Ordered json = {
+  const Json json = {
       {"mesh_path", options.mesh_path},
       {"truth_path", options.truth_path},
       {"workspace_path", options.workspace_path},
       {"stride", options.evaluation.stride},
       {"beyond", options.evaluation.drop_beyond ? "dropped" : "clipped"},
       {"num_images", evaluation.num_views},
-      {"max_distance", distances ? ToJson(distances->max_distance) : Ordered()},
-      {"spacing", distances ? ToJson(distances->spacing) : Ordered()},
-      {"accuracy", distances ? ToJson(distances->accuracy) : Ordered()},
-      {"completeness", distances ? ToJson(distances->completeness) : Ordered()},
-      {"average_score",
-       distances ? ToJson(distances->AverageScore()) : Ordered()},
-      {"depths", evaluation.depths ? ToJson(*evaluation.depths) : Ordered()},
+      {"max_distance", distances ? ToJson(distances->max_distance) : Json()},
+      {"spacing", distances ? ToJson(distances->spacing) : Json()},
+      {"accuracy", distances ? ToJson(distances->accuracy) : Json()},
+      {"completeness", distances ? ToJson(distances->completeness) : Json()},
+      {"average_score", distances ? ToJson(distances->AverageScore()) : Json()},
+      {"depths", evaluation.depths ? ToJson(*evaluation.depths) : Json()},
       {"topology", ToJson(evaluation.topology)}};
   // Names of files may be in any encoding.
-  return json.dump(2, ' ', false, Ordered::error_handler_t::replace) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace colmap_ext

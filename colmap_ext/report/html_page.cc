@@ -277,18 +277,21 @@ std::string StagesTable(const std::vector<RefinementStep>& steps) {
 }  // namespace
 
 std::string EscapeHtml(std::string_view text) {
-  // The last are control characters, which no page may have.
+  // The last one replaces what is no character of XML.
   constexpr std::string_view kSpecial = "&<>\"'";
   constexpr const char* kEscaped[] = {"&amp;",  "&lt;",  "&gt;",
                                       "&quot;", "&#39;", "\xef\xbf\xbd"};
   const std::string valid = nlohmann::json::parse(nlohmann::json(text).dump(
       -1, ' ', false, nlohmann::json::error_handler_t::replace));
   std::string escaped;
-  for (const char c : valid) {
+  size_t end = 0;  // of the last character of U+FFFE and U+FFFF
+  for (size_t i = 0; i < valid.size(); ++i) {
+    const char c = valid[i];
+    end = "\xef\xbf\xbe" <= valid.substr(i, 3) && c == '\xef' ? i + 3 : end;
     const bool is_control =
         static_cast<uint8_t>(c) < 0x20 && c != '\t' && c != '\n' && c != '\r';
     const size_t place = kSpecial.find(c);
-    escaped += is_control                ? kEscaped[kSpecial.size()]
+    escaped += is_control || i < end     ? kEscaped[kSpecial.size()]
                : place < kSpecial.size() ? kEscaped[place]
                                          : std::string(1, c);
   }

@@ -23,7 +23,7 @@ struct CameraPart {
   StepVector by_steps = StepVector::Zero();
 };
 
-// \param across  the derivative by a motion of the pixel
+// \param across  the derivative of the shift by the pixel's position
 CameraPart PartOf(const View& view, uint32_t camera,
                   const Eigen::Vector2d& pixel, const Eigen::Vector2d& across) {
   const Eigen::Vector2d offset = pixel - Eigen::Vector2d(view.cx, view.cy);
@@ -55,12 +55,11 @@ CrossShift Across(const std::vector<View>& views,
                   -shift.jacobian.by_pixel_i.transpose() * across)}};
 }
 
-// Holds the first at 0, and all small and smooth, as if measured.
+// Pulls the values towards 0 and towards each other, and fixes the first at 0.
 // \param noise  of the shifts, px
 StepMatrix Regularization(double noise) {
-  // Standard deviation, px, and the weight of slopes against it: choices.
-  constexpr double kSize = 0.3;
-  constexpr double kSmooth = 20;
+  constexpr double kSize = 0.3;   // standard deviation, px: a choice
+  constexpr double kSmooth = 20;  // weight of the differences: a choice
   StepMatrix matrix = StepMatrix::Identity();
   matrix(0, 0) = 1e9;
   for (int k = 0; k < kNumSteps; ++k) {
@@ -79,7 +78,7 @@ struct CameraSums {
   double before = 0;  // weighted squares of the shifts
   double after = 0;   // ... and of what is left
 
-  // More than chance does: windows of a patch share errors. Choices.
+  // Whether it explains clearly more than chance would. Choices.
   bool Explains() const {
     return before - after > (0.02 + 20 * kNumSteps / count) * before;
   }

@@ -132,7 +132,6 @@ struct Misalignment {
 // The distortion that COLMAP's camera model leaves: what explains shifts of
 // windows across the epipolar lines, where no surface does.
 // \param views  of the level
-// \param view_cameras  see CameraSet
 // \return [views] empty if no camera's explain a good part of its shifts
 std::vector<RadialShifts> EstimateRadialShifts(
     const std::vector<View>& views, const std::vector<uint32_t>& view_cameras,

@@ -40,7 +40,7 @@ GrayImage ResizeMask(const GrayImage& mask, const View& size) {
   return resized;
 }
 
-// What a pinhole camera would show in place of a lens.
+// Resamples an image to that of a pinhole camera.
 GrayImage WithoutShifts(const GrayImage& image, const View& view,
                         const RadialShifts& shifts) {
   constexpr int kNumSteps = std::tuple_size_v<RadialShifts> - 1;
@@ -171,9 +171,11 @@ void ImagePyramid::SetViews(std::vector<View> views) {
 }
 
 void ImagePyramid::CorrectLenses(std::vector<RadialShifts> shifts) {
-  radial_shifts_ = std::move(shifts);
-  full_images_.Clear();
-  level_images_.Clear();
+  if (shifts != radial_shifts_) {
+    radial_shifts_ = std::move(shifts);
+    full_images_.Clear();
+    level_images_.Clear();
+  }
 }
 
 std::shared_ptr<const GrayImage> ImagePyramid::FullImage(size_t view) {

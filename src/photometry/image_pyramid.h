@@ -68,8 +68,7 @@ class ImagePyramid {
   //      pyramid meanwhile
   void SetViews(std::vector<View> views);
 
-  // Shows from now on what pinhole cameras would show.
-  // \param shifts  [views] of the lenses; empty: none
+  // Corrects the images for their lenses, [views]; empty: none.
   // \pre no other thread uses the pyramid meanwhile
   void CorrectLenses(std::vector<RadialShifts> shifts);
 

@@ -182,7 +182,6 @@ struct RefinementHooks {
 // errors of lenses in the images, and refines the cameras by the surface as it
 // is, as options.cameras has it (docs/method.md, section 7.7).
 //
-// \param points  see RefineFacetwise()
 // \param views [in,out] the cameras as they are now
 CameraAlignment AlignCameras(const FacetwiseRefinementOptions& options,
                              const RefinableCameras& cameras,

@@ -14,7 +14,7 @@ constexpr const char* kWicked = "a <b> & \"c\" 'd' \xc3\xa4\xff.ply";
 constexpr const char* kEscaped =
     "a &lt;b&gt; &amp; &quot;c&quot; &#39;d&#39; \xc3\xa4\xef\xbf\xbd.ply";
 
-TEST(EscapeHtmlTest, LeavesOnlyCharacters) {
+TEST(EscapeHtmlTest, LeavesOnlyCharactersOfXml) {
   EXPECT_EQ(EscapeHtml(kWicked), kEscaped);
   const std::string bad = "\xef\xbf\xbd";
   EXPECT_EQ(EscapeHtml("\xf0\x9f\x90\x87\t\n"), "\xf0\x9f\x90\x87\t\n");
@@ -24,6 +24,7 @@ TEST(EscapeHtmlTest, LeavesOnlyCharacters) {
   EXPECT_EQ(EscapeHtml("\xc3z"), bad + "z");
   EXPECT_EQ(EscapeHtml("\xc0\xbc"), bad + bad) << "too long for its character";
   EXPECT_EQ(EscapeHtml("\xed\xa0\x80"), bad + bad + bad) << "a surrogate";
+  EXPECT_EQ(EscapeHtml("\xef\xbf\xbf"), bad + bad + bad) << "not a character";
 }
 
 TEST(Base64Test, GivesTheExamplesOfItsStandard) {
