@@ -101,6 +101,7 @@ class CameraRefinement {
       misalignment.of_surface = Median(&of_surface);
     }
     misalignment.by_view = Medians(std::move(by_view), 0, kMinPatches);
+    misalignment.motion = std::ranges::max(Motions(original_.views));
     misalignment.radial_shifts = EstimateRadialShifts(
         ViewsAtLevel(estimate_.cameras.views, report_.level),
         original_.view_cameras, patches_.patches, shifts_);

@@ -46,12 +46,12 @@ class DisplacedWarp {
 
  private:
   void SetFacet(uint32_t facet) {
-    const FacetFrame frame = ComputeFacetFrame(mesh_, mesh_.facets[facet]);
+    const FacetPlane plane = PlaneOfFacet(mesh_, mesh_.facets[facet]);
     facet_ = facet;
     is_facing_ = i_.drawn.is_facing[facet] && j_.drawn.is_facing[facet];
-    inverse_depth_ = (pair_.ray_from_pixel_i.transpose() * frame.normal) /
-                     frame.normal.dot(frame.corner + offset_ - pair_.center_i);
-    slope_ = PlaneSlope(j_.view, frame);
+    inverse_depth_ = (pair_.ray_from_pixel_i.transpose() * plane.normal) /
+                     plane.normal.dot(plane.corner + offset_ - pair_.center_i);
+    slope_ = PlaneSlope(j_.view, plane);
   }
 
   const DrawnView& i_;

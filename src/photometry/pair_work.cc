@@ -89,6 +89,10 @@ std::vector<std::vector<PixelBox>> FindTiles(
     const FacetIdBuffer& drawn, std::span<const uint32_t> directions,
     const FacetLabels& labels) {
   const size_t num_cols = (drawn.width + kTileSize - 1) / kTileSize;
+  std::vector<uint32_t> places(2 * labels.pairs.size(), kNone);
+  for (uint32_t k = 0; k < directions.size(); ++k) {
+    places[directions[k]] = k;
+  }
   // [directions][num_cols] the tiles of a row of squares.
   std::vector<std::vector<PixelBox>> squares(directions.size(),
                                              std::vector<PixelBox>(num_cols));
@@ -100,9 +104,8 @@ std::vector<std::vector<PixelBox>> FindTiles(
         continue;
       }
       labels.ForEachDirection(facet, [&](uint32_t direction) {
-        const auto at = std::ranges::lower_bound(directions, direction);
-        if (at != directions.end() && *at == direction) {
-          Extend(row, col, &squares[at - directions.begin()][col / kTileSize]);
+        if (places[direction] != kNone) {
+          Extend(row, col, &squares[places[direction]][col / kTileSize]);
         }
       });
     }

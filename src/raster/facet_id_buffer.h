@@ -68,10 +68,21 @@ std::vector<uint32_t> FindClippedFacets(const View& view,
 // \pre the mask is of the buffer's size
 void EraseMasked(const GrayImage& mask, FacetIdBuffer* buffer);
 
-// A facet's plane and the barycentric coordinates on it, in the world frame.
-struct FacetFrame {
-  Eigen::Vector3d normal;      // unit, towards free space; 0: degenerate
-  Eigen::Vector3d corner;      // the first, scene units
+// A facet's plane, in the world frame.
+struct FacetPlane {
+  Eigen::Vector3d normal;  // towards free space; 0: degenerate
+  Eigen::Vector3d corner;  // the first, scene units
+};
+
+// \return its normal is not of unit length
+inline FacetPlane PlaneOfFacet(const TriangleMesh& mesh, const Facet& facet) {
+  const auto [a, b, c] = CornersOf<double>(mesh, facet);
+  return {(b - a).cross(c - a), a};
+}
+
+// A facet's plane, its normal of unit length, and the barycentric coordinates
+// on it.
+struct FacetFrame : FacetPlane {
   Eigen::Vector3d gradient_1;  // of the second corner's barycentric coordinate,
                                // 1 / scene unit
   Eigen::Vector3d gradient_2;  // of the third's
@@ -86,15 +97,16 @@ inline FacetFrame ComputeFacetFrame(const TriangleMesh& mesh,
   const double area = cross.norm();  // twice
   if (!(area > 0)) {
     const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
-    return {zero, a, zero, zero};
+    return {{zero, a}, zero, zero};
   }
   const Eigen::Vector3d normal = cross / area;
-  return {normal, a, edge_2.cross(normal) / area, normal.cross(edge_1) / area};
+  return {
+      {normal, a}, edge_2.cross(normal) / area, normal.cross(edge_1) / area};
 }
 
 // By how much the inverse depth of a facet's plane changes in a view, at most,
 // from a pixel to one of the eight around it, 1 / scene unit.
-double PlaneSlope(const View& view, const FacetFrame& frame);
+double PlaneSlope(const View& view, const FacetPlane& plane);
 
 // Pixels: one for the way from a point to its pixel's centre, and one more as a
 // neighbor that is drawn there may be steeper.

@@ -61,8 +61,8 @@ bool IsVisible(const FacetParts& parts, uint32_t index, bool is_clipped,
   }
   return inverse_depth > 0 && IsWithin(view, pixel, kVisibilityBorder) &&
          IsNearest(view, drawn, parts.DrawnFacet(index),
-                   PlaneSlope(view, ComputeFacetFrame(parts.mesh, facet)),
-                   pixel.x(), pixel.y(), inverse_depth);
+                   PlaneSlope(view, PlaneOfFacet(parts.mesh, facet)), pixel.x(),
+                   pixel.y(), inverse_depth);
 }
 
 // The facets that a view shows, ascending.

@@ -263,7 +263,12 @@ CameraAlignment AlignCameras(const FacetwiseRefinementOptions& options,
   const bool is_needed = !method.only_if_misaligned || misalignment.IsLarge() ||
                          !MisalignedViews(misalignment).empty() ||
                          !misalignment.radial_shifts.empty();
-  for (int level = options.levels - 1; is_needed && level >= 0; --level) {
+  // Coarse images are for motions that windows of finer ones do not reach.
+  int level = options.levels - 1;
+  while (level > 0 && misalignment.motion <= 1 << (level - 1)) {
+    --level;
+  }
+  for (; is_needed && level >= 0; --level) {
     Report(hooks.progress, "Refining the cameras", 0);
     RefinedCameras refined = RefineCameras(
         method, input(*draw(level)), {cameras.views, cameras.view_cameras},
