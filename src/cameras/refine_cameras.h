@@ -123,8 +123,7 @@ struct Misalignment {
   double of_surface = 0;
   std::vector<double> by_view;  // [views] by_cameras, of the patches chosen in
                                 // each; 0 where there are too few to tell
-  double motion = 0;  // of the view that refined poses move most, median over
-                      // its patches, px of the full-size image
+  double motion = 0;            // of the view that moves most, see RefinedView
   // [views] Of their lenses; empty if they explain nothing.
   std::vector<RadialShifts> radial_shifts;
   // Whether it is a good part of the surface's error, a choice.

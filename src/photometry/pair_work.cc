@@ -21,33 +21,6 @@ void Extend(int row, int col, PixelBox* tile) {
   tile->last_col = std::max(tile->last_col, col);
 }
 
-std::vector<TiledDirection> DirectionsTo(uint32_t view,
-                                         std::span<const uint32_t> of_view,
-                                         const FacetIdBuffer& drawn,
-                                         const FacetLabels& labels) {
-  std::vector<TiledDirection> directions;
-  std::vector<std::vector<PixelBox>> tiles = FindTiles(drawn, of_view, labels);
-  for (size_t k = 0; k < tiles.size(); ++k) {
-    if (!tiles[k].empty()) {
-      const auto [first, second] = labels.pairs[of_view[k] / 2];
-      directions.push_back({of_view[k], view, first == view ? second : first,
-                            std::move(tiles[k])});
-    }
-  }
-  return directions;
-}
-
-// Whether the views with what is drawn into them are more than the default of
-// max_memory_gb keeps. Below it no order of them saves anything.
-bool AreTooManyToKeep(const std::vector<View>& views) {
-  constexpr double kMaxPixels = 4e9 / 9;  // 9 bytes a pixel
-  double num_pixels = 0;
-  for (const View& view : views) {
-    num_pixels += static_cast<double>(view.width) * view.height;
-  }
-  return num_pixels > kMaxPixels;
-}
-
 }  // namespace
 
 Rows<uint32_t> GroupByDirection(const FacetLabels& labels) {
@@ -123,7 +96,7 @@ std::vector<std::vector<PixelBox>> FindTiles(
 }
 
 std::vector<uint32_t> OrderByPartners(const Rows<uint32_t>& partners) {
-  // A choice: about what the default of max_memory_gb keeps of 20 megapixels.
+  // A choice: about what the default of image_cache_gb keeps of 20 megapixels.
   constexpr size_t kMaxRecent = 16;
   std::deque<uint32_t> recent;  // the last used last
   std::vector<uint8_t> is_recent(partners.size(), 0);
@@ -162,24 +135,29 @@ std::vector<TiledDirection> FindDirections(const VisibilityBuffers& buffers,
   const auto of_views = DirectionsOfViews(labels.pairs, buffers.Views().size());
   std::vector<std::vector<TiledDirection>> by_view(of_views.size());
   tbb::parallel_for(size_t{0}, by_view.size(), [&](size_t view) {
-    if (!of_views[view].empty()) {
-      by_view[view] = DirectionsTo(static_cast<uint32_t>(view), of_views[view],
-                                   *buffers.Get(view), labels);
+    if (of_views[view].empty()) {
+      return;
+    }
+    auto tiles = FindTiles(*buffers.Get(view), of_views[view], labels);
+    const auto i = static_cast<uint32_t>(view);
+    for (size_t k = 0; k < tiles.size(); ++k) {
+      if (!tiles[k].empty()) {
+        const uint32_t direction = of_views[view][k];
+        const auto [first, second] = labels.pairs[direction / 2];
+        by_view[view].push_back(
+            {direction, i, first == i ? second : first, std::move(tiles[k])});
+      }
     }
   });
-  std::vector<uint32_t> order = Iota(by_view.size());
-  if (AreTooManyToKeep(buffers.Views())) {
-    Rows<uint32_t> partners;
-    for (const std::vector<TiledDirection>& row : by_view) {
-      for (const TiledDirection& direction : row) {
-        partners.values.push_back(direction.j);
-      }
-      partners.EndRow();
+  Rows<uint32_t> partners;
+  for (const std::vector<TiledDirection>& row : by_view) {
+    for (const TiledDirection& direction : row) {
+      partners.values.push_back(direction.j);
     }
-    order = OrderByPartners(partners);
+    partners.EndRow();
   }
   std::vector<TiledDirection> directions;
-  for (const uint32_t view : order) {
+  for (const uint32_t view : OrderByPartners(partners)) {
     std::ranges::move(by_view[view], std::back_inserter(directions));
   }
   return directions;

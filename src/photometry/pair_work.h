@@ -92,9 +92,8 @@ struct TiledDirection {
   std::vector<PixelBox> tiles;  // at least one
 };
 
-// The directions that some pixel shows facets of, by their view i, so that few
-// views are in use at a time: as the views come, or, where they are more than
-// would fit into 4 GB, by OrderByPartners().
+// The directions that some pixel shows facets of, by their view i in the order
+// of OrderByPartners().
 std::vector<TiledDirection> FindDirections(const VisibilityBuffers& buffers,
                                            const FacetLabels& labels);
 

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -116,10 +115,8 @@ struct InverseDepth {
   }
 
   // Rounding can leave the range of a facet that is seen from its edge.
-  // \param row, col  from the first pixel on.
-  float At(int row, int col) const {
-    return static_cast<float>(
-        std::clamp(value + row * row_step + col * col_step, min, max));
+  float At(int col) const {
+    return static_cast<float>(std::clamp(value + col * col_step, min, max));
   }
 
   double value, col_step, row_step, min, max;
@@ -151,24 +148,27 @@ int64_t Area(const std::array<Projected, 3>& corners) {
   return (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
 }
 
-// The columns of a row whose centres lie in a facet are one run.
-// \return it, or an empty one; of columns 0 ... count - 1
-std::pair<int, int> FindRun(const std::array<EdgeFunction, 3>& edges,
-                            int count) {
-  const auto is_outside = [&](int col) {  // Negative if any of them is.
-    return ((edges[0].value + col * edges[0].col_step) |
-            (edges[1].value + col * edges[1].col_step) |
-            (edges[2].value + col * edges[2].col_step)) < 0;
-  };
-  int first = 0;
-  while (first < count && is_outside(first)) {
-    ++first;
+// Pixels [first, first + count) of the buffer's arrays.
+void DrawRow(uint32_t facet, const std::array<EdgeFunction, 3>& edges,
+             const InverseDepth& depth, size_t first, int count,
+             FacetIdBuffer* buffer) {
+  for (int col = 0; col < count; ++col) {
+    const int64_t outside =  // Negative if any of them is.
+        (edges[0].value + col * edges[0].col_step) |
+        (edges[1].value + col * edges[1].col_step) |
+        (edges[2].value + col * edges[2].col_step);
+    if (outside < 0) {
+      continue;
+    }
+    const float inverse_depth = depth.At(col);
+    float& drawn_depth = buffer->inverse_depths[first + col];
+    uint32_t& drawn_facet = buffer->facets[first + col];
+    if (inverse_depth > drawn_depth ||
+        (inverse_depth == drawn_depth && facet < drawn_facet)) {
+      drawn_depth = inverse_depth;
+      drawn_facet = facet;
+    }
   }
-  int end = first;
-  while (end < count && !is_outside(end)) {
-    ++end;
-  }
-  return {first, end};
 }
 
 void DrawFacet(uint32_t facet, std::array<Projected, 3> corners,
@@ -189,26 +189,14 @@ void DrawFacet(uint32_t facet, std::array<Projected, 3> corners,
       EdgeFunction(corners[0], corners[1], box.first_row, box.first_col),
       EdgeFunction(corners[1], corners[2], box.first_row, box.first_col),
       EdgeFunction(corners[2], corners[0], box.first_row, box.first_col)};
-  std::optional<InverseDepth> depth;  // many facets have no pixel
+  InverseDepth depth(corners, area, box.first_row, box.first_col);
   for (int row = box.first_row; row <= box.last_row; ++row) {
-    const auto [first, end] = FindRun(edges, box.last_col - box.first_col + 1);
-    if (first < end && !depth) {
-      depth.emplace(corners, area, box.first_row, box.first_col);
-    }
-    const size_t index = buffer->Index(row, box.first_col);
-    for (int col = first; col < end; ++col) {
-      const float inverse_depth = depth->At(row - box.first_row, col);
-      float& drawn_depth = buffer->inverse_depths[index + col];
-      uint32_t& drawn_facet = buffer->facets[index + col];
-      if (inverse_depth > drawn_depth ||
-          (inverse_depth == drawn_depth && facet < drawn_facet)) {
-        drawn_depth = inverse_depth;
-        drawn_facet = facet;
-      }
-    }
+    DrawRow(facet, edges, depth, buffer->Index(row, box.first_col),
+            box.last_col - box.first_col + 1, buffer);
     for (EdgeFunction& edge : edges) {
       edge.value += edge.row_step;
     }
+    depth.value += depth.row_step;
   }
 }
 
@@ -374,9 +362,8 @@ bool IsFacing(const TriangleMesh& mesh, const Facet& facet,
   const Eigen::Vector3d cross = (b - a).cross(c - a);
   const Eigen::Vector3d to_camera = camera - (a + b + c) / 3;
   const double product = cross.dot(to_camera);
-  return product > 0 && product * product > min_cosine * min_cosine *
-                                                cross.squaredNorm() *
-                                                to_camera.squaredNorm();
+  const double scale = cross.squaredNorm() * to_camera.squaredNorm();
+  return product > 0 && product * product > min_cosine * min_cosine * scale;
 }
 
 std::vector<uint32_t> FindClippedFacets(const View& view,
