@@ -123,9 +123,9 @@ struct Misalignment {
   double of_surface = 0;
   std::vector<double> by_view;  // [views] by_cameras, of the patches chosen in
                                 // each; 0 where there are too few to tell
-  double motion = 0;            // of the view that moves most, see RefinedView
   // [views] Of their lenses; empty if they explain nothing.
   std::vector<RadialShifts> radial_shifts;
+  double motion = 0;  // of the view that moves most, see RefinedView
   // Whether it is a good part of the surface's error, a choice.
   bool IsLarge() const { return by_cameras > 0.5 * of_surface; }
 };
