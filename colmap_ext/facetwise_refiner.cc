@@ -1,3 +1,4 @@
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -5,10 +6,12 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/jobs/refine_tiles.h"
+#include "colmap_ext/jobs/refinement_estimate.h"
 #include "colmap_ext/jobs/refinement_input.h"
 #include "colmap_ext/jobs/resumable_refinement.h"
 #include "colmap_ext/options/refinement_options.h"
@@ -88,6 +91,7 @@ class Refiner {
     }
     console_.reporter.Finish();
     PrintReport(input_, log_);
+    PrintEstimate();
     const fs::path state_path = StatePath(paths_.output);
     if (!fs::exists(state_path) && options_.resume) {
       PrintText("starts from the beginning",
@@ -100,6 +104,34 @@ class Refiner {
     }
     if (live_ != nullptr) {
       live_->Start(input_.mesh, input_.attributes, input_.views, input_.points);
+    }
+  }
+
+  // What the run takes, and how many tiles would do where that is too much.
+  void PrintEstimate() {
+    const RefinementEstimate run =
+        EstimateRun(input_, input_.views, options_.image_cache_gb,
+                    tbb::this_task_arena::max_concurrency());
+    const double machine_gb = 1e-9 * MachineMemory();
+    const double memory_gb = run.images_gb + run.surface_gb;
+    PrintHeading("Run", log_);
+    PrintText("memory, estimated",
+              fmt::format("{:.2f} of {:.1f} GB", memory_gb, machine_gb), log_);
+    PrintText("time of all threads, estimated",
+              fmt::format("{:.1f} min", run.core_seconds / 60),
+              log_);
+    if (memory_gb > machine_gb) {
+      const double free_gb = machine_gb - run.images_gb;
+      PrintWarning(
+          free_gb > 0
+              ? fmt::format("the machine may not have enough memory: "
+                            "`{} mesh_planner --num_tiles {:.0f}` makes tiles "
+                            "that fit (docs/large-scenes.md)",
+                            ProgramName(),
+                            std::ceil(1.5 * run.surface_gb / free_gb))
+              : "the machine may not have enough memory; a smaller "
+                "--image_cache_gb keeps fewer images",
+          log_);
     }
   }
 

@@ -124,11 +124,4 @@ double MergerMemoryGb(const Plan& plan, const PlannerOptions& options);
 // \param num_points  of the cloud
 size_t NumTilesForMemory(const PlannerOptions& options, size_t num_points);
 
-// Sets what the job that refines a tile takes by `pixels` of surface: its
-// memory, that of each of its threads, and its time.
-// \param views  that see the tile.
-// \param max_memory_gb  see RefinerOptions.
-void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
-                        RefinementTile* tile);
-
 }  // namespace colmap_ext

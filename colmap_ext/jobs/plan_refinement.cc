@@ -9,12 +9,11 @@
 #include <fmt/ranges.h>
 
 #include "colmap_ext/jobs/plan_files.h"
+#include "colmap_ext/jobs/refinement_estimate.h"
 #include "colmap_ext/terminal/terminal.h"
 #include "formats/write_mesh.h"
 #include "mesh/mesh_in_image.h"
-#include "mesh/normals.h"
 #include "mesh/space_filling_curve.h"
-#include "spatial/facet_tree.h"
 #include "workspace/workspace_paths.h"
 
 namespace colmap_ext {
@@ -80,45 +79,6 @@ std::vector<double> Margins(const Surface& surface, const TileCells& cells,
                       MedianFootprint(part.mesh, part.attributes.views, views));
   }
   return margins;
-}
-
-// Estimates what the jobs take by the surface and the views that each of them
-// has.
-void EstimateJobs(const Surface& surface, const TileCells& cells,
-                  const std::vector<View>& views, double max_memory_gb,
-                  std::vector<RefinementTile>* tiles) {
-  std::vector<std::vector<uint8_t>> is_seen_by(
-      cells.size(), std::vector<uint8_t>(views.size(), 0));
-  std::vector<double> footprints;
-  for (uint32_t i = 0; i < surface.mesh.vertices.size(); ++i) {
-    footprints.push_back(NearestFootprint(surface.mesh.vertices[i],
-                                          surface.attributes.views[i], views));
-  }
-  for (const Facet& facet : surface.mesh.facets) {
-    const auto& [a, b, c] = facet;
-    const double area = AreaVector(surface.mesh, facet).norm() / 2;
-    const double footprint =
-        std::max({footprints[a], footprints[b], footprints[c]});
-    const Eigen::AlignedBox3f box = BoxOf(surface.mesh, facet);
-    for (size_t tile = 0; tile < cells.size(); ++tile) {
-      const auto margin = static_cast<float>((*tiles)[tile].margin);
-      if (GrowBox(cells[tile], margin).intersects(box)) {
-        (*tiles)[tile].pixels += area / (footprint * footprint);
-        for (const uint32_t vertex : facet) {
-          for (const uint32_t view : surface.attributes.views[vertex]) {
-            is_seen_by[tile][view] = 1;
-          }
-        }
-      }
-    }
-  }
-  for (size_t tile = 0; tile < cells.size(); ++tile) {
-    std::vector<View> of_tile;
-    for (const uint32_t view : Marked(is_seen_by[tile])) {
-      of_tile.push_back(views[view]);
-    }
-    EstimateRefinement(of_tile, max_memory_gb, &(*tiles)[tile]);
-  }
 }
 
 std::vector<RefinementTile> PlanTiles(const Surface& surface, const Plan& plan,

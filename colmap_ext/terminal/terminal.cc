@@ -8,6 +8,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstdint>
+#include <fstream>
 #include <iterator>
 #include <ostream>
 
@@ -156,6 +157,15 @@ size_t PeakMemory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<size_t>(usage.ru_maxrss) * 1024;
+}
+
+size_t MachineMemory() {
+  const auto all = static_cast<size_t>(sysconf(_SC_PHYS_PAGES)) *
+                   static_cast<size_t>(sysconf(_SC_PAGESIZE));
+  size_t limit = 0;  // "max" where there is none
+  const bool has_limit =
+      static_cast<bool>(std::ifstream("/sys/fs/cgroup/memory.max") >> limit);
+  return has_limit ? std::min(all, limit) : all;
 }
 
 StopSignal::StopSignal() {

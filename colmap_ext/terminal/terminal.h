@@ -59,6 +59,9 @@ class ProgressReporter {
 // Peak memory of this process, bytes.
 size_t PeakMemory();
 
+// Memory of the machine, or of the container that the process runs in, bytes.
+size_t MachineMemory();
+
 // The running program in the commands that it prints: "colmap", unless changed.
 std::string& ProgramName();
 

@@ -33,9 +33,9 @@ struct TrimmedMesh : DerivedMesh {  // manifold, its facets in their order
 // narrower than two gap widths, a membrane is not, and nothing is added along
 // the outer border. Pieces that this cuts off and that lie within the gap width
 // of their own border are dropped, too, and so are pieces smaller than a disk
-// of the gap width, but for the largest. The borders that this opens are
-// smoothed along themselves; no other vertex moves. Where nothing is dropped
-// the mesh is not changed.
+// of the gap width, but for the largest; facets count with the squares of their
+// confidences. The borders that this opens are smoothed along themselves; no
+// other vertex moves. Where nothing is dropped the mesh is not changed.
 //
 // \param min_confidence  0: drops nothing
 // \param facet_confidences [F] in [0, 1]

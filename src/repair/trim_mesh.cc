@@ -114,9 +114,12 @@ std::vector<uint8_t> FindDropped(const LinkedMesh& surface,
 }
 
 // Counts the dropped regions. Of what is left, drops the small pieces and those
-// that were cut off and lie within a gap's width of their border, too.
-void AddLeftovers(const LinkedMesh& surface, std::vector<uint8_t>* is_dropped,
-                  TrimReport* report) {
+// that were cut off and lie within a gap's width of their border, too. The less
+// confident a piece is, the larger it has to be: facets count with the squares
+// of their confidences, so that fragments of foliage go.
+void AddLeftovers(const LinkedMesh& surface,
+                  const std::vector<float>& confidences,
+                  std::vector<uint8_t>* is_dropped, TrimReport* report) {
   const std::vector<Facet>& facets = surface.mesh.facets;
   UnionFind pieces = JoinFacets(surface, *is_dropped);
   for (uint32_t i = 0; i < facets.size(); ++i) {
@@ -144,7 +147,8 @@ void AddLeftovers(const LinkedMesh& surface, std::vector<uint8_t>* is_dropped,
     }
     is_wide[piece] |= !IsReached(distances, facets[i]);
     const Eigen::Vector3f area = AreaVector(surface.mesh, facets[i]) / 2;
-    sizes[piece] += (area / widths[i] / widths[i]).norm();
+    sizes[piece] += (area / widths[i] / widths[i]).norm() * confidences[i] *
+                    confidences[i];
     largest = std::max(largest, sizes[piece]);
   }
   const double min_size = std::min(std::numbers::pi, largest);  // of a disk
@@ -207,7 +211,7 @@ TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
   TrimReport& report = trimmed.report;
   report.num_facets = CountMarked(is_dropped);
   report.num_kept_facets = CountMarked(is_low) - report.num_facets;
-  AddLeftovers(surface, &is_dropped, &report);
+  AddLeftovers(surface, facet_confidences, &is_dropped, &report);
   if (CountMarked(is_dropped) > 0) {
     Drop(surface, is_dropped, &trimmed);
   }

@@ -41,11 +41,11 @@ TEST_F(FacetwiseRefinerTest, RefinesAWorkspace) {
   fs::path output = path_ / kOutput;
   ExpectGoodMesh(output);
   EXPECT_LT(Error(output), Error(path_ / kInput));
-  EXPECT_TRUE(
-      HasAll(outcome.out,
-             {"computed by", "full size, iteration 1: energy", "mean ZNCC",
-              "pairs", "self-intersections", "flipped faces", "peak memory",
-              "its .vis", "moved by, px", "belong together"}));
+  EXPECT_TRUE(HasAll(
+      outcome.out,
+      {"memory, estimated", "computed by", "full size, iteration 1: energy",
+       "mean ZNCC", "pairs", "self-intersections", "flipped faces",
+       "peak memory", "its .vis", "moved by, px", "belong together"}));
   EXPECT_EQ(ReadFile(path_ / "sparse" / "images.bin"), images);
   const fs::path refined = path_ / "sparse-refined";
   EXPECT_EQ(List(refined), List(path_ / "sparse"));

@@ -12,6 +12,7 @@
 #include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/jobs/plan.h"
 #include "colmap_ext/jobs/plan_files.h"
+#include "colmap_ext/jobs/refinement_estimate.h"
 #include "colmap_ext/jobs/refinement_input.h"
 #include "tests/workspace/sphere_workspace.h"
 

@@ -171,11 +171,16 @@ TEST(TrimMesh, DropsSmallPiecesButTheLargest) {
   const size_t num_facets = sphere.facets.size();
   const TriangleMesh mesh =
       Union(sphere, Shifted(Scaled(sphere, 0.2f), {3, 0, 0}));
-  const std::vector<float> confidences(mesh.facets.size(), 1);
+  std::vector<float> confidences(mesh.facets.size(), 1);
   // The smaller sphere has the area of a disk of the radius 0.4.
   EXPECT_EQ(Trim(mesh, confidences, 0.3f).mesh, mesh);
   EXPECT_EQ(Trim(mesh, confidences, 0.6f).mesh.facets.size(), num_facets);
   EXPECT_EQ(Trim(mesh, confidences, 10).mesh.facets.size(), num_facets);
+  // With less confidence it counts as one of the radius 0.6 x 0.4.
+  std::fill(confidences.begin() + static_cast<ptrdiff_t>(num_facets),
+            confidences.end(), 0.6f);
+  EXPECT_EQ(Trim(mesh, confidences, 0.2f).mesh, mesh);
+  EXPECT_EQ(Trim(mesh, confidences, 0.3f).mesh.facets.size(), num_facets);
 }
 
 TEST(TrimMesh, DropsEverythingWhereNothingIsConfident) {
