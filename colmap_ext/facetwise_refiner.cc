@@ -118,8 +118,7 @@ class Refiner {
     PrintText("memory, estimated",
               fmt::format("{:.2f} of {:.1f} GB", memory_gb, machine_gb), log_);
     PrintText("time of all threads, estimated",
-              fmt::format("{:.1f} min", run.core_seconds / 60),
-              log_);
+              fmt::format("{:.1f} min", run.core_seconds / 60), log_);
     if (memory_gb > machine_gb) {
       const double free_gb = machine_gb - run.images_gb;
       PrintWarning(
@@ -173,11 +172,11 @@ class Refiner {
     if (refined.alignment.IsRefined()) {
       WriteSparseModel(
           paths_.refined_sparse,
-          WithRefinedCameras(
-              std::move(input_.sparse_model),
-              input_.workspace.order.order.images, refined.views,
-              input_.camera_parts == RefinedParts::kPosesIntrinsics,
-              refined.alignment.track_positions));
+          WithRefinedCameras(std::move(input_.sparse_model),
+                             input_.workspace.order.order.images, refined.views,
+                             options_.refinement.cameras.parts ==
+                                 RefinedParts::kPosesIntrinsics,
+                             refined.alignment.track_positions));
     }
     files->Commit();
     run_.RemoveFiles();
@@ -210,13 +209,9 @@ class Refiner {
     if (refined.report.is_skipped) {
       PrintWarning(
           fmt::format("the camera poses are too inaccurate ({:.2f} px): the "
-                      "mesh was not refined, and is written unchanged. {}",
-                      refined.alignment.misalignment.by_cameras,
-                      HasOneImageFrames(input_.sparse_model)
-                          ? "Let --FacetwiseRefinement.refine_cameras poses "
-                            "align them"
-                          : "Align its rigs by `colmap bundle_adjuster`, and "
-                            "take its --output_path as --sparse_path"),
+                      "mesh was not refined, and is written unchanged. Let "
+                      "--FacetwiseRefinement.refine_cameras poses align them",
+                      refined.alignment.misalignment.by_cameras),
           log_);
     }
     PrintReport(refined.alignment, refined.views, log_);

@@ -51,9 +51,6 @@ void RefineCameras(const RefinerOptions& options, const Plan& plan,
   Report(progress, "Reading the sparse model", 0);
   ExpectSame(plan);
   SparseModel model = ReadSparseModel(plan.sparse_path, SparseDetail::kAll);
-  if (!options.refine_cameras && !HasOneImageFrames(model)) {
-    return;
-  }
   RefinementInput input;
   input.views = plan.views;
   input.picture_errors.resize(input.views.size());
@@ -64,7 +61,7 @@ void RefineCameras(const RefinerOptions& options, const Plan& plan,
   Report(progress, "Reading the images", 0);
   ReadPictures(options, ImagesPath(plan), MasksOf(plan, decoder), decoder,
                &input);
-  SetSparseModel(options, std::move(model), &input);
+  SetSparseModel(std::move(model), &input);
   RefinementHooks hooks;
   hooks.progress = progress;
   const CameraAlignment alignment = AlignCameras(
@@ -81,10 +78,11 @@ void RefineCameras(const RefinerOptions& options, const Plan& plan,
   Report(progress, "Writing the cameras", 0);
   WriteSparseModel(
       RefinedSparsePath(plan.folder),
-      WithRefinedCameras(std::move(input.sparse_model),
-                         input.workspace.order.order.images, input.views,
-                         input.camera_parts == RefinedParts::kPosesIntrinsics,
-                         alignment.track_positions));
+      WithRefinedCameras(
+          std::move(input.sparse_model), input.workspace.order.order.images,
+          input.views,
+          options.refinement.cameras.parts == RefinedParts::kPosesIntrinsics,
+          alignment.track_positions));
   refinement->radial_shifts = alignment.misalignment.radial_shifts;
   for (size_t i = 0; i < plan.views.size(); ++i) {
     refinement->views[i] =

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <map>
 #include <span>
 #include <utility>
 
 #include <fmt/format.h>
-#include <Eigen/Geometry>
 
 #include "colmap_ext/terminal/terminal.h"
 #include "formats/read_numbers.h"
@@ -140,72 +138,7 @@ void CompleteAttributes(RefinementInput* input) {
   }
 }
 
-// The sparse model as the refinement of the cameras takes it.
-std::shared_ptr<const RefinableCameras> MakeRefinableCameras(
-    const RefinementInput& input) {
-  const SparseModel& model = input.sparse_model;
-  const std::vector<size_t>& order = input.workspace.order.order.images;
-  auto cameras = std::make_shared<RefinableCameras>();
-  cameras->views = input.views;
-  cameras->images = input.images;
-  std::map<uint32_t, uint32_t> camera_indices;  // by camera_id
-  std::map<uint32_t, uint32_t> view_indices;    // by image_id
-  for (size_t i = 0; i < order.size(); ++i) {
-    const SparseImage& image = model.images[order[i]];
-    view_indices[image.image_id] = static_cast<uint32_t>(i);
-    cameras->view_cameras.push_back(
-        camera_indices
-            .emplace(image.camera_id,
-                     static_cast<uint32_t>(camera_indices.size()))
-            .first->second);
-  }
-  SparseTracks& tracks = cameras->tracks;
-  for (size_t i = 0; i < model.exact_positions.size(); ++i) {
-    for (uint64_t k = model.track_image_ids.offsets[i];
-         k < model.track_image_ids.offsets[i + 1]; ++k) {
-      const auto it = view_indices.find(model.track_image_ids.values[k]);
-      if (it == view_indices.end() || !model.exact_positions[i].allFinite()) {
-        continue;
-      }
-      const SparseImage& image = model.images[order[it->second]];
-      if (model.track_observations[k] >= image.observations.size()) {
-        continue;  // observations are left out of some models
-      }
-      const SparseCamera& camera = model.cameras.at(image.camera_id);
-      const View& view = input.views[it->second];
-      const Eigen::Vector2d scale(1.0 * view.width / camera.width,
-                                  1.0 * view.height / camera.height);
-      const Eigen::Vector2d& pixel =
-          image.observations[model.track_observations[k]].pixel;
-      if (pixel.allFinite()) {
-        tracks.observations.values.push_back(
-            {it->second, pixel.cwiseProduct(scale)});
-      }
-    }
-    tracks.observations.EndRow();
-    tracks.positions.push_back(model.exact_positions[i]);
-  }
-  return cameras;
-}
-
 }  // namespace
-
-void SetSparseModel(const RefinerOptions& options, SparseModel model,
-                    RefinementInput* input) {
-  input->sparse_model = std::move(model);
-  input->camera_parts = options.refinement.cameras.parts;
-  if (input->camera_parts != RefinedParts::kNothing &&
-      !HasOneImageFrames(input->sparse_model)) {
-    if (options.refine_cameras) {
-      throw FileError(
-          input->workspace.sparse_path,
-          "it has rigs of several cameras, which cannot be "
-          "refined; take --FacetwiseRefinement.refine_cameras none");
-    }
-    input->camera_parts = RefinedParts::kNothing;
-  }
-  input->cameras = MakeRefinableCameras(*input);
-}
 
 Surface ReadSurface(const fs::path& path, bool has_visibility,
                     const VisibilityOwner& owner) {
@@ -336,8 +269,7 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
       decoder, &input);
   Report(progress, "Reading the sparse model", 0);
   SetSparseModel(
-      options, ReadSparseModel(input.workspace.sparse_path, SparseDetail::kAll),
-      &input);
+      ReadSparseModel(input.workspace.sparse_path, SparseDetail::kAll), &input);
   return input;
 }
 
@@ -365,34 +297,6 @@ JobInputs RunInputs(const RefinerOptions& options, const RefinementPaths& paths,
   }
   inputs.AddFiles(files);
   return inputs;
-}
-
-SparseModel WithRefinedCameras(SparseModel model,
-                               const std::vector<size_t>& order,
-                               const std::vector<View>& views,
-                               bool has_intrinsics,
-                               const std::vector<Eigen::Vector3d>& positions) {
-  for (size_t i = 0; i < order.size(); ++i) {
-    const View& view = views[i];
-    SparseImage& image = model.images[order[i]];
-    image.cam_from_world_rotation =
-        Eigen::Quaterniond(view.cam_from_world_rotation).normalized();
-    image.cam_from_world_translation = view.cam_from_world_translation;
-    if (has_intrinsics) {
-      SparseCamera& camera = model.cameras.at(image.camera_id);
-      const View full = ResizeView(view, static_cast<int>(camera.width),
-                                   static_cast<int>(camera.height));
-      camera.fx = full.fx;
-      camera.fy = full.fy;
-      camera.cx = full.cx;
-      camera.cy = full.cy;
-    }
-  }
-  for (size_t i = 0; i < positions.size(); ++i) {
-    model.exact_positions[i] = positions[i];
-    model.point_positions[i] = positions[i].cast<float>();
-  }
-  return model;
 }
 
 }  // namespace colmap_ext

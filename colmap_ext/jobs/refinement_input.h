@@ -60,9 +60,8 @@ struct RefinementInput : Surface {
   std::shared_ptr<ImagePyramid> images;     // [views], read as memory allows
 
   std::shared_ptr<const RefinableCameras> cameras;
-  RefinedParts camera_parts = RefinedParts::kNothing;  // none: rigs, by default
-  bool is_part = false;                                // see RefinementStart
-  SparseModel sparse_model;                            // in full
+  bool is_part = false;      // see RefinementStart
+  SparseModel sparse_model;  // in full
 
   WorkspaceReport workspace;
   bool has_fused_points = true;     // else the mesh's vertices stand for them
@@ -86,9 +85,7 @@ void ReadPictures(const RefinerOptions& options,
 // Adds the sparse model, by whose tracks cameras are refined or measured.
 // \param model  read in full
 // \pre the input has its views, images, and their order
-// \throw FileError if rigs are to be refined
-void SetSparseModel(const RefinerOptions& options, SparseModel model,
-                    RefinementInput* input);
+void SetSparseModel(SparseModel model, RefinementInput* input);
 
 // Reads the mesh with its .vis, the cameras, and the fused points, and reads
 // all pictures once to see that they can be read.

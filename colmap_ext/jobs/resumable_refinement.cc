@@ -272,7 +272,6 @@ RefinedMesh ResumableRefinement::Run(RefinementInput* input) {
     return is_interrupted();
   };
   FacetwiseRefinementOptions method = options_.refinement;
-  method.cameras.parts = input->camera_parts;
   method.region = input->region;
   Surface& surface = *input;
   RefinedMesh refined = RefineFacetwise(

@@ -124,7 +124,7 @@ void AddBasicOptions(CommandOptions* options, RefinerOptions* refiner) {
                    "Camera parameters to refine before the surface, written to "
                    "WORKSPACE/sparse-refined, of a plan to "
                    "PLAN/sparse-refined. auto: poses, only if the images are "
-                   "misaligned, and not for rigs");
+                   "misaligned. The cameras of a rig move together");
   options->Add(ours + "min_confidence", &refiner->min_confidence,
                {0, 1, kAutoTrim, "auto"},
                "Remove faces with a lower confidence; 0: keep all. auto: 0.2, "

@@ -60,17 +60,48 @@ struct CameraPriorTerms {
   }
 };
 
+// The matrix that makes steps of all views, to first order, of those of
+// leaders. Columns of other poses are 0.
+Eigen::SparseMatrix<double> StepsByLeaders(const CameraSet& cameras,
+                                           Eigen::Index size) {
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto num_views = static_cast<Eigen::Index>(cameras.views.size());
+  for (Eigen::Index i = 0; i < num_views; ++i) {
+    const uint32_t leader = cameras.LeaderOf(i);
+    const RelativePose pose(cameras.views[i], cameras.views[leader]);
+    Eigen::Matrix<double, 6, 6> block = Eigen::Matrix<double, 6, 6>::Zero();
+    block.topLeftCorner<3, 3>() = pose.rotation;
+    block.bottomRightCorner<3, 3>() = pose.rotation;
+    block.bottomLeftCorner<3, 3>() =
+        -pose.rotation.colwise().cross(pose.translation);
+    for (Eigen::Index k = 0; k < block.size(); ++k) {
+      entries.emplace_back(6 * i + k % 6, 6 * leader + k / 6,
+                           block(k % 6, k / 6));
+    }
+  }
+  for (Eigen::Index k = 6 * num_views; k < size; ++k) {
+    entries.emplace_back(k, k, 1);  // intrinsics
+  }
+  Eigen::SparseMatrix<double> matrix(size, size);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
 // Levenberg and Marquardt's method.
 class Problem {
  public:
   Problem(const CameraEvidence& evidence, const CameraSet& original,
           const CameraEstimate& start)
-      : num_views_(start.cameras.views.size()),
+      : original_(original),
+        num_views_(start.cameras.views.size()),
         steps_{original.view_cameras},
         priors_(evidence, original, start.cameras, steps_),
         patches_({evidence, start.displacements}, steps_, num_views_),
         points_({evidence, start.cameras.views, start.positions}, steps_,
                 num_views_) {
+    if (!original.leaders.empty()) {
+      by_leaders_ = StepsByLeaders(original, steps_.values.size());
+    }
     system_.columns = MakeRows<uint32_t>(
         num_views_, [&](size_t view, std::vector<uint32_t>* columns) {
           std::vector<uint32_t> neighbors{static_cast<uint32_t>(view)};
@@ -123,6 +154,7 @@ class Problem {
       const ViewStep step = steps_[i];
       view = MoveView(view, step.head<6>(), step.tail<3>());
     }
+    FollowLeaders(original_, &estimate->cameras.views);
     for (size_t i = 0; i < patches_.At().size(); ++i) {
       estimate->displacements[i] = patches_.At()[i][0];
     }
@@ -159,7 +191,9 @@ class Problem {
       }
       diagonal *= 1 + damping;
     }
-    const Eigen::VectorXd solution = -SolutionOf(matrix, slopes);
+    const Eigen::VectorXd solution = original_.leaders.empty()
+                                         ? -SolutionOf(matrix, slopes)
+                                         : -SolutionOfRigs(matrix, slopes);
     if (!solution.allFinite()) {
       return std::nullopt;
     }
@@ -207,6 +241,22 @@ class Problem {
     return matrix;
   }
 
+  // The same where views follow their leaders.
+  Eigen::VectorXd SolutionOfRigs(const Eigen::SparseMatrix<double>& lower,
+                                 const Eigen::VectorXd& right) const {
+    const Eigen::SparseMatrix<double> all =
+        lower.selfadjointView<Eigen::Lower>();
+    Eigen::SparseMatrix<double> matrix =
+        by_leaders_.transpose() * (all * by_leaders_);
+    for (size_t i = 0; i < num_views_; ++i) {
+      for (size_t k = 6 * i; original_.LeaderOf(i) != i && k < 6 * i + 6; ++k) {
+        matrix.coeffRef(static_cast<Eigen::Index>(k),
+                        static_cast<Eigen::Index>(k)) = 1;
+      }
+    }
+    return by_leaders_ * SolutionOf(matrix, by_leaders_.transpose() * right);
+  }
+
   // NaN where the equations cannot be solved.
   Eigen::VectorXd SolutionOf(const Eigen::SparseMatrix<double>& matrix,
                              const Eigen::VectorXd& right) const {
@@ -223,7 +273,9 @@ class Problem {
                      Eigen::SimplicialLLT<Eigen::SparseMatrix<double>>(matrix));
   }
 
+  const CameraSet& original_;
   size_t num_views_;
+  Eigen::SparseMatrix<double> by_leaders_;  // with rigs, see StepsByLeaders()
   CameraSteps steps_;
   CameraPriorTerms priors_;
   Landmarks<PatchShifts> patches_;

@@ -18,7 +18,7 @@ namespace {
 // [Umeyama1991, equations (40) to (42)], with weights.
 Similarity AlignWeighted(const std::vector<Eigen::Vector3d>& from,
                          const std::vector<Eigen::Vector3d>& to,
-                         const std::vector<double>& weights) {
+                         const std::vector<double>& weights, bool has_scale) {
   double sum = 0;
   Eigen::Vector3d mean_from = Eigen::Vector3d::Zero();
   Eigen::Vector3d mean_to = Eigen::Vector3d::Zero();
@@ -44,8 +44,10 @@ Similarity AlignWeighted(const std::vector<Eigen::Vector3d>& from,
                               u.determinant() * v.determinant() < 0 ? -1 : 1);
   Similarity similarity;
   similarity.rotation = u * signs.asDiagonal() * v.transpose();
-  similarity.scale =
-      similarity.rotation.cwiseProduct(covariance).sum() / variance;
+  if (has_scale) {
+    similarity.scale =
+        similarity.rotation.cwiseProduct(covariance).sum() / variance;
+  }
   similarity.translation =
       mean_to - similarity.scale * (similarity.rotation * mean_from);
   return similarity;
@@ -90,6 +92,31 @@ View MoveView(const View& view, const PoseStep& pose,
   moved.cx += intrinsics[1] * view.fx;
   moved.cy += intrinsics[2] * view.fy;
   return moved;
+}
+
+RelativePose::RelativePose(const View& view, const View& leader)
+    : rotation(view.cam_from_world_rotation *
+               leader.cam_from_world_rotation.transpose()),
+      translation(view.cam_from_world_translation -
+                  rotation * leader.cam_from_world_translation) {}
+
+void FollowLeaders(const CameraSet& original, std::vector<View>* views) {
+  for (size_t i = 0; i < original.leaders.size(); ++i) {
+    const uint32_t leader = original.leaders[i];
+    if (leader == i) {
+      continue;
+    }
+    const RelativePose pose(original.views[i], original.views[leader]);
+    const View& led_by = (*views)[leader];
+    View& view = (*views)[i];
+    // By way of a quaternion, so that rounding leaves a rotation.
+    view.cam_from_world_rotation =
+        Eigen::Quaterniond(pose.rotation * led_by.cam_from_world_rotation)
+            .normalized()
+            .toRotationMatrix();
+    view.cam_from_world_translation =
+        pose.rotation * led_by.cam_from_world_translation + pose.translation;
+  }
 }
 
 PoseStep StepBetween(const View& from, const View& to) {
@@ -142,7 +169,7 @@ ShiftJacobian ComputeShiftJacobian(const View& view_i, const View& view_j,
 
 Similarity AlignPoints(const std::vector<Eigen::Vector3d>& from,
                        const std::vector<Eigen::Vector3d>& to,
-                       const std::vector<double>& footprints) {
+                       const std::vector<double>& footprints, bool has_scale) {
   constexpr size_t kMinPoints = 10;  // three determine it
   constexpr int kIterations = 10;
   std::vector<double> weights;
@@ -156,7 +183,7 @@ Similarity AlignPoints(const std::vector<Eigen::Vector3d>& from,
   }
   Similarity similarity;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    similarity = AlignWeighted(from, to, weights);
+    similarity = AlignWeighted(from, to, weights, has_scale);
     std::vector<double> distances;  // footprints
     for (size_t i = 0; i < from.size(); ++i) {
       if (footprints[i] > 0) {

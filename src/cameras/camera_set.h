@@ -17,6 +17,13 @@ namespace colmap_ext {
 struct CameraSet {
   std::vector<View> views;             // of the pictures' full size
   std::vector<uint32_t> view_cameras;  // [views] index of the camera of each
+  // [views] The view that each keeps its pose relative to: the first of a frame
+  // of a rig leads the others and itself. Empty: there are no rigs.
+  std::vector<uint32_t> leaders = {};
+
+  uint32_t LeaderOf(size_t view) const {
+    return leaders.empty() ? static_cast<uint32_t>(view) : leaders[view];
+  }
 };
 
 // A feature of the sparse model in one of the images that show it.
@@ -44,6 +51,17 @@ using IntrinsicsStep = Eigen::Vector3d;
 // The view after both changes.
 View MoveView(const View& view, const PoseStep& pose,
               const IntrinsicsStep& intrinsics);
+
+// A pose in the frame of another view: x -> rotation x + translation.
+struct RelativePose {
+  RelativePose(const View& view, const View& leader);
+
+  Eigen::Matrix3d rotation;
+  Eigen::Vector3d translation;  // scene units
+};
+
+// Moves the views of rigs to where their leaders are, by their original poses.
+void FollowLeaders(const CameraSet& original, std::vector<View>* views);
 
 // The step that MoveView() goes from one pose to another.
 PoseStep StepBetween(const View& from, const View& to);
@@ -90,9 +108,10 @@ struct Similarity {
 // \param from, to  [P] scene units
 // \param footprints  [P] what a distance is measured in, scene units; 0 leaves
 //        a point out.
+// \param has_scale  else lengths stay
 Similarity AlignPoints(const std::vector<Eigen::Vector3d>& from,
                        const std::vector<Eigen::Vector3d>& to,
-                       const std::vector<double>& footprints);
+                       const std::vector<double>& footprints, bool has_scale);
 
 // The view that sees the moved world as the view saw the world before; lengths
 // in its frame are scaled too.

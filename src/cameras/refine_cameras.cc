@@ -258,7 +258,7 @@ class CameraRefinement {
     return Medians(std::move(depths), 1);
   }
 
-  // Of each view; those with too little are skipped.
+  // Of each view; frames with too little are skipped.
   void CountEvidence(RefinedParts parts, CameraEvidence* evidence) {
     // A pose has 6 parameters; some times as many are needed to tell outliers.
     constexpr size_t kMinEvidence = 20;
@@ -273,10 +273,16 @@ class CameraRefinement {
     for (const TrackObservation& seen : tracks_.observations.values) {
       ++report_.views[seen.view].num_observations;
     }
-    for (RefinedView& view : report_.views) {
-      view.is_skipped = parts == RefinedParts::kNothing ||
-                        view.num_windows + view.num_observations < kMinEvidence;
-      evidence->is_skipped.push_back(view.is_skipped ? 1 : 0);
+    std::vector<size_t> counts(report_.views.size(), 0);  // of frames
+    for (size_t i = 0; i < counts.size(); ++i) {
+      const RefinedView& view = report_.views[i];
+      counts[original_.LeaderOf(i)] += view.num_windows + view.num_observations;
+    }
+    for (size_t i = 0; i < counts.size(); ++i) {
+      const bool is_skipped = parts == RefinedParts::kNothing ||
+                              counts[original_.LeaderOf(i)] < kMinEvidence;
+      report_.views[i].is_skipped = is_skipped;
+      evidence->is_skipped.push_back(is_skipped ? 1 : 0);
     }
   }
 
@@ -292,7 +298,8 @@ class CameraRefinement {
       }
     }
     const Similarity similarity =
-        AlignPoints(*positions, all_tracks_.positions, footprints);
+        AlignPoints(*positions, all_tracks_.positions, footprints,
+                    /*has_scale=*/original_.leaders.empty());
     if (similarity.IsIdentity()) {
       return;
     }

@@ -254,8 +254,10 @@ CameraAlignment AlignCameras(const FacetwiseRefinementOptions& options,
   CameraAlignment alignment;
   Misalignment& misalignment = alignment.misalignment;
   Report(hooks.progress, "Measuring the images' alignment", 0);
-  misalignment = MeasureMisalignment(method, input(*draw(kMeasuredLevel)),
-                                     {*views, cameras.view_cameras});
+  CameraSet current = cameras;
+  current.views = *views;
+  misalignment =
+      MeasureMisalignment(method, input(*draw(kMeasuredLevel)), current);
   if (method.parts == RefinedParts::kNothing) {
     return alignment;
   }
@@ -270,10 +272,10 @@ CameraAlignment AlignCameras(const FacetwiseRefinementOptions& options,
   }
   for (; is_needed && level >= 0; --level) {
     Report(hooks.progress, "Refining the cameras", 0);
-    RefinedCameras refined = RefineCameras(
-        method, input(*draw(level)), {cameras.views, cameras.view_cameras},
-        {*views, cameras.view_cameras});
-    *views = std::move(refined.cameras.views);
+    RefinedCameras refined =
+        RefineCameras(method, input(*draw(level)), cameras, std::move(current));
+    current = std::move(refined.cameras);
+    *views = current.views;
     alignment.track_positions = std::move(refined.positions);
     if (hooks.on_cameras) {
       hooks.on_cameras(refined.report);

@@ -110,10 +110,9 @@ struct RefinementReport {
   BorderReport borders;
 };
 
-// Input of the camera refinement.
-struct RefinableCameras {
-  std::vector<View> views;  // as the refinement takes them, before any of it
-  std::vector<uint32_t> view_cameras;    // see CameraSet
+// Input of the camera refinement: the cameras as the refinement takes them,
+// before any of it.
+struct RefinableCameras : CameraSet {
   SparseTracks tracks;                   // of the sparse model
   std::shared_ptr<ImagePyramid> images;  // that the energy uses
 };

@@ -64,15 +64,6 @@ class BinarySource {
 
   int SensorType() { return Number<int>(); }
 
-  void SkipSensors(uint32_t count) {
-    for (uint32_t i = 0; i < count; ++i) {
-      reader_.Skip(4 + 4, what_);
-      if (Number<uint8_t>() != 0) {
-        reader_.Skip(7 * 8, what_);
-      }
-    }
-  }
-
   void BeginList(uint64_t bytes_each, bool /*has_line*/ = false) {
     num_items_ = reader_.ReadCount(bytes_each, what_);
   }
@@ -138,8 +129,6 @@ class TextSource {
   }
 
   int SensorType() { return Item() == "CAMERA" ? kCameraSensorType : 1; }
-
-  void SkipSensors(uint32_t /*count*/) {}
 
   // A list fills the rest of the line, or a line of its own.
   void BeginList(uint64_t /*bytes_each*/, bool has_line = false) {
@@ -209,9 +198,10 @@ void ReadCameras(Source source, SparseModel* model) {
 }
 
 template <typename Source>
-void ReadPose(Source* source, SparseImage* image) {
-  Eigen::Quaterniond& q = image->cam_from_world_rotation;
-  Eigen::Vector3d& t = image->cam_from_world_translation;
+void ReadPose(Source* source, Eigen::Quaterniond* rotation,
+              Eigen::Vector3d* translation) {
+  Eigen::Quaterniond& q = *rotation;
+  Eigen::Vector3d& t = *translation;
   Read(source, &q.w(), &q.x(), &q.y(), &q.z(), &t.x(), &t.y(), &t.z());
   q.normalize();
 }
@@ -222,7 +212,8 @@ void ReadImages(Source source, SparseDetail detail, SparseModel* model) {
   while (source.Next()) {
     SparseImage& image = model->images.emplace_back();
     Read(&source, &image.image_id);
-    ReadPose(&source, &image);
+    ReadPose(&source, &image.cam_from_world_rotation,
+             &image.cam_from_world_translation);
     Read(&source, &image.camera_id);
     image.name = source.Name();
     source.BeginList(kObservationBytes, /*has_line=*/true);
@@ -272,8 +263,8 @@ void ReadFrames(Source source, SparseModel* model) {
   while (source.Next()) {
     SparseFrame& frame = model->frames.emplace_back();
     Read(&source, &frame.frame_id, &frame.rig_id);
-    SparseImage rig;  // whose pose is not needed
-    ReadPose(&source, &rig);
+    ReadPose(&source, &frame.rig_from_world_rotation,
+             &frame.rig_from_world_translation);
     uint32_t num_data = 0;
     Read(&source, &num_data);
     std::vector<std::tuple<uint32_t, uint64_t>> images;  // with their sensors
@@ -296,11 +287,18 @@ template <typename Source>
 void ReadRigs(Source source, SparseModel* model) {
   while (source.Next()) {
     SparseRig& rig = model->rigs.emplace_back();
-    Read(&source, &rig.rig_id, &rig.num_sensors);
-    if (rig.num_sensors > 0) {
-      rig.sensor_type = source.SensorType();
-      Read(&source, &rig.sensor_id);
-      source.SkipSensors(rig.num_sensors - 1);
+    uint32_t num_sensors = 0;
+    Read(&source, &rig.rig_id, &num_sensors);
+    for (uint32_t i = 0; i < num_sensors; ++i) {
+      SparseSensor& sensor = rig.sensors.emplace_back();
+      sensor.sensor_type = source.SensorType();
+      Read(&source, &sensor.sensor_id);
+      if (i > 0) {
+        Read(&source, &sensor.has_pose);
+      }
+      if (sensor.has_pose != 0) {
+        ReadPose(&source, &sensor.rotation, &sensor.translation);
+      }
     }
   }
 }
@@ -318,10 +316,10 @@ SparseModel ReadModel(const std::filesystem::path& folder,
              &model);
   ReadPoints3D(Source(path("points3D"), "3D points", 8 + 3 * 8 + 3 + 8 + 8),
                detail, &model);
-  if (detail == SparseDetail::kAll && std::filesystem::exists(path("rigs"))) {
-    ReadRigs(Source(path("rigs"), "rigs", 4 + 4), &model);
-  }
   if (std::filesystem::exists(path("frames"))) {
+    if (detail == SparseDetail::kAll) {
+      ReadRigs(Source(path("rigs"), "rigs", 4 + 4), &model);
+    }
     ReadFrames(Source(path("frames"), "frames", 4 + 4 + 7 * 8 + 4), &model);
   }
   return model;

@@ -104,9 +104,8 @@ void WriteCameras(const SparseModel& model, AtomicFile* file) {
   }
 }
 
-void WritePose(const SparseImage& image, AtomicFile* file) {
-  const Eigen::Quaterniond& q = image.cam_from_world_rotation;
-  const Eigen::Vector3d& t = image.cam_from_world_translation;
+void WritePose(const Eigen::Quaterniond& q, const Eigen::Vector3d& t,
+               AtomicFile* file) {
   Write(file, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z());
 }
 
@@ -114,7 +113,8 @@ void WriteImages(const SparseModel& model, AtomicFile* file) {
   file->Write(uint64_t{model.images.size()});
   for (const SparseImage& image : model.images) {
     file->Write(image.image_id);
-    WritePose(image, file);
+    WritePose(image.cam_from_world_rotation, image.cam_from_world_translation,
+              file);
     file->Write(image.camera_id);
     file->Write(image.name.c_str(), image.name.size() + 1);
     file->Write(uint64_t{image.observations.size()});
@@ -172,17 +172,25 @@ void WritePoints(const SparseModel& model, AtomicFile* file) {
 void WriteRigs(const SparseModel& model, AtomicFile* file) {
   file->Write(uint64_t{model.rigs.size()});
   for (const SparseRig& rig : model.rigs) {
-    Write(file, rig.rig_id, rig.num_sensors, rig.sensor_type, rig.sensor_id);
+    Write(file, rig.rig_id, static_cast<uint32_t>(rig.sensors.size()));
+    for (const SparseSensor& sensor : rig.sensors) {
+      Write(file, sensor.sensor_type, sensor.sensor_id);
+      if (&sensor != rig.sensors.data()) {
+        file->Write(sensor.has_pose);
+      }
+      if (sensor.has_pose != 0) {
+        WritePose(sensor.rotation, sensor.translation, file);
+      }
+    }
   }
 }
 
-// A rig of one camera has the camera's pose.
 void WriteFrames(const SparseModel& model, AtomicFile* file) {
-  const std::map<uint32_t, size_t> images = ImageIndices(model);
   file->Write(uint64_t{model.frames.size()});
   for (const SparseFrame& frame : model.frames) {
     Write(file, frame.frame_id, frame.rig_id);
-    WritePose(model.images[images.at(frame.image_ids[0])], file);
+    WritePose(frame.rig_from_world_rotation, frame.rig_from_world_translation,
+              file);
     file->Write(static_cast<uint32_t>(frame.data.size()));
     for (const SparseData& data : frame.data) {
       Write(file, data.sensor_type, data.sensor_id, data.data_id);
@@ -267,18 +275,6 @@ SparseModel ReadSparseModel(const std::filesystem::path& folder,
   CheckCameras(model, folder);
   CheckImages(model, folder);
   return model;
-}
-
-bool HasOneImageFrames(const SparseModel& model) {
-  const std::map<uint32_t, size_t> images = ImageIndices(model);
-  return (model.frames.empty() || !model.rigs.empty()) &&
-         std::ranges::all_of(
-             model.rigs,
-             [](const SparseRig& rig) { return rig.num_sensors == 1; }) &&
-         std::ranges::all_of(model.frames, [&](const SparseFrame& frame) {
-           return frame.data.size() == 1 && frame.image_ids.size() == 1 &&
-                  images.contains(frame.image_ids[0]);
-         });
 }
 
 void WriteSparseModel(const std::filesystem::path& folder,

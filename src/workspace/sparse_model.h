@@ -51,13 +51,19 @@ struct SparseImage {
   std::vector<SparseObservation> observations;  // with SparseDetail::kAll
 };
 
-// Sensors that are fixed to each other (COLMAP 3.12 and later). Only the first
-// is kept, which is all that most rigs have.
+// A sensor of a rig, in the frame of the first one, its reference.
+struct SparseSensor {
+  int sensor_type = 0;  // 0: camera
+  uint32_t sensor_id = 0;
+  uint8_t has_pose = 0;  // not the reference
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+};
+
+// Sensors that are fixed to each other (COLMAP 3.12 and later).
 struct SparseRig {
   uint32_t rig_id = 0;
-  uint32_t num_sensors = 0;
-  int sensor_type = 0;     // of the reference sensor; 0: camera
-  uint32_t sensor_id = 0;  // of the reference sensor
+  std::vector<SparseSensor> sensors;
 };
 
 // A picture, or other data, that a sensor took.
@@ -72,6 +78,8 @@ struct SparseFrame {
   uint32_t frame_id = 0;
   std::vector<uint32_t> image_ids;  // in the order of the rig's sensors
   uint32_t rig_id = 0;
+  Eigen::Quaterniond rig_from_world_rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d rig_from_world_translation = Eigen::Vector3d::Zero();
   std::vector<SparseData> data;  // as in the file
 };
 
@@ -118,18 +126,12 @@ SparseModel ReadSparseModel(const std::filesystem::path& folder,
 SparseModel ReadSparseModelFiles(const std::filesystem::path& folder,
                                  bool is_binary, SparseDetail detail);
 
-// Whether every frame of the model is one image, by a rig of one camera, as in
-// all models before COLMAP 3.12: then images can move one by one.
-// \pre the model was read in full
-bool HasOneImageFrames(const SparseModel& model);
-
 // Writes a model in COLMAP's binary format: cameras, images with their
 // observations, points with their tracks and errors, and, where there are any,
 // rigs and frames. The folder is made if it is not there; all files get their
 // names together, after they have reached the disk. What belongs to a model of
 // another COLMAP version is removed.
-// \pre the model was read in full, has pinhole cameras alone, and
-//      HasOneImageFrames()
+// \pre the model was read in full, and has pinhole cameras alone
 // \throw FileError if it cannot be written: no file is changed then.
 void WriteSparseModel(const std::filesystem::path& folder,
                       const SparseModel& model);

@@ -56,6 +56,60 @@ TEST(RefineCameras, LeavesExactPosesWhereTheyAre) {
   EXPECT_LT(DistanceToTruth(Refine(Scene().truth)), 0.03);
 }
 
+// Px, between where a rig has the views of a frame and where they are.
+double RigError(const CameraSet& cameras) {
+  CameraSet rigid = cameras;
+  FollowLeaders({Scene().truth.views, cameras.view_cameras, cameras.leaders},
+                &rigid.views);
+  return Distance(Scene(), cameras, rigid);
+}
+
+TEST(RefineCameras, RigsMoveAsTheyAre) {
+  CameraSet start = Start(3);
+  start.leaders = {0, 1, 0, 1, 4, 4, 6, 4};
+  EXPECT_GT(RigError(start), 0.1);
+  FollowLeaders({Scene().truth.views, start.view_cameras, start.leaders},
+                &start.views);
+  EXPECT_LT(RigError(start), 1e-9);
+  ASSERT_GT(Distance(Scene(), start, Scene().truth), 0.2);
+  const RefinedCameras refined = Refine(start);
+  EXPECT_LT(RigError(refined.cameras), 1e-9);
+  EXPECT_LT(DistanceToTruth(refined), 0.05);
+  // Intrinsics and views that lack all evidence are no exception.
+  CameraRefinementOptions options = Poses();
+  options.parts = RefinedParts::kPosesIntrinsics;
+  const RefinedCameras all = Refine(start, options);
+  EXPECT_LT(RigError(all.cameras), 1e-9);
+  EXPECT_LT(DistanceToTruth(all), 0.05);
+}
+
+// A view without texture and features goes where its rig goes.
+TEST(RefineCameras, RigsTakeBlindViewsAlong) {
+  CameraScene scene = Scene();
+  SparseTracks tracks;
+  for (size_t i = 0; i < scene.tracks.positions.size(); ++i) {
+    tracks.positions.push_back(scene.tracks.positions[i]);
+    for (const TrackObservation& seen : scene.tracks.observations[i]) {
+      if (seen.view != 3) {
+        tracks.observations.values.push_back(seen);
+      }
+    }
+    tracks.observations.EndRow();
+  }
+  std::erase_if(scene.pairs, [](const ViewPair& pair) {
+    return pair.first == 3 || pair.second == 3;
+  });
+  CameraSet start = Start(3);
+  start.leaders = {0, 1, 2, 2, 4, 5, 6, 7};
+  FollowLeaders({scene.truth.views, start.view_cameras, start.leaders},
+                &start.views);
+  const RefinedCameras refined = scene.Refine(Poses(), start, tracks);
+  EXPECT_EQ(refined.report.views[3].num_windows, 0);
+  EXPECT_LT(RigError(refined.cameras), 1e-9);
+  EXPECT_LT(DistanceToTruth(refined, 3), 0.1);
+  EXPECT_LT(DistanceToTruth(refined), 0.05);
+}
+
 TEST(RefineCameras, NeedsNoFeatures) {
   const RefinedCameras refined = Scene().Refine(Poses(), Start(3), {});
   // The gauge is that of the disturbed cameras then.
@@ -180,7 +234,8 @@ TEST(RefineCameras, KeepsTheGauge) {
   const std::vector<double> footprints(refined.positions.size(),
                                        Scene().scene.dense.scene.footprint);
   const Similarity left =
-      AlignPoints(refined.positions, Scene().tracks.positions, footprints);
+      AlignPoints(refined.positions, Scene().tracks.positions, footprints,
+                  /*has_scale=*/true);
   for (const Eigen::Vector3d& position : refined.positions) {
     EXPECT_LT((left(position) - position).norm(), 0.02 * footprints[0]);
   }

@@ -2,9 +2,11 @@
 
 #include <cstring>
 #include <limits>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "formats/picture_files.h"
 #include "tests/colmap_ext/refiner_fixture.h"
@@ -78,27 +80,6 @@ TEST_F(FacetwiseRefinerTest, WritesNoCamerasThatStayAsTheyAre) {
   EXPECT_FALSE(Has(outcome.out, "of an earlier run"));
 }
 
-// Makes frames of two images each of a sparse model.
-void AddRigs(const fs::path& sparse) {
-  const SparseModel model = ReadSparseModel(sparse, SparseDetail::kAll);
-  std::string bytes;
-  Append(uint64_t{model.images.size() / 2}, &bytes);
-  for (size_t i = 0; i < model.images.size(); ++i) {
-    if (i % 2 == 0) {
-      Append(static_cast<uint32_t>(i + 1), &bytes);
-      Append(uint32_t{1}, &bytes);  // rig id
-      for (const double value : {1, 0, 0, 0, 0, 0, 0}) {
-        Append(value, &bytes);
-      }
-      Append(uint32_t{2}, &bytes);
-    }
-    Append(int32_t{0}, &bytes);  // a camera
-    Append(static_cast<uint32_t>(i % 2), &bytes);
-    Append(uint64_t{model.images[i].image_id}, &bytes);
-  }
-  WriteFile(sparse / "frames.bin", bytes);
-}
-
 TEST_F(FacetwiseRefinerTest, LeavesTheMeshWhereThePosesAreTooInaccurate) {
   // Inaccurate poses, and a mesh that is right.
   WriteWorkspace(MakeStatue(), 1, path_.string());
@@ -126,12 +107,60 @@ TEST_F(FacetwiseRefinerTest, LeavesTheMeshWhereThePosesAreTooInaccurate) {
   };
   EXPECT_TRUE(Has(expect_held(refine + "none"), "refine_cameras poses"));
   expect_refined(refine + "poses");
-  AddRigs(path_ / "sparse");
-  AddRigs(path_ / "sparse-true");
-  const std::string of_rigs = expect_held("");
-  EXPECT_FALSE(Has(of_rigs, "refine_cameras poses"));
-  EXPECT_TRUE(Has(of_rigs, "bundle_adjuster"));
   expect_refined(Option("sparse_path", "sparse-true"));
+}
+
+// Where a frame's pose and its images' are, relative to each other.
+std::vector<Eigen::Isometry3d> SensorsFromRigs(const SparseModel& model) {
+  const auto pose = [](const Eigen::Quaterniond& rotation,
+                       const Eigen::Vector3d& translation) {
+    return Eigen::Isometry3d(Eigen::Translation3d(translation) * rotation);
+  };
+  const std::map<uint32_t, size_t> indices = ImageIndices(model);
+  std::vector<Eigen::Isometry3d> sensors;
+  for (const SparseFrame& frame : model.frames) {
+    for (const uint32_t image_id : frame.image_ids) {
+      const SparseImage& image = model.images[indices.at(image_id)];
+      sensors.push_back(
+          pose(image.cam_from_world_rotation,
+               image.cam_from_world_translation) *
+          pose(frame.rig_from_world_rotation, frame.rig_from_world_translation)
+              .inverse());
+    }
+  }
+  return sensors;
+}
+
+TEST_F(FacetwiseRefinerTest, MovesTheCamerasOfARigTogether) {
+  const fs::path sparse = path_ / "sparse";
+  SparseModel model = ReadSparseModel(sparse, SparseDetail::kAll);
+  ASSERT_GT(model.images.size(), 3);
+  model.rigs = {{1, {{0, 1}, {0, 2, 1}}}};
+  model.frames.clear();
+  for (size_t i = 0; i + 1 < model.images.size(); i += 2) {
+    const SparseImage& image = model.images[i];
+    const uint32_t next = model.images[i + 1].image_id;
+    model.frames.push_back({static_cast<uint32_t>(i),
+                            {image.image_id, next},
+                            1,
+                            image.cam_from_world_rotation,
+                            image.cam_from_world_translation,
+                            {{0, 1, image.image_id}, {0, 2, next}}});
+  }
+  WriteSparseModel(sparse, model);
+  const std::string rigs = ReadFile(sparse / "rigs.bin");
+  Succeed(Refine(" @refine_cameras poses"));
+  const SparseModel refined =
+      ReadSparseModel(path_ / "sparse-refined", SparseDetail::kAll);
+  EXPECT_EQ(ReadFile(path_ / "sparse-refined" / "rigs.bin"), rigs);
+  EXPECT_NE(refined.frames[0].rig_from_world_translation,
+            model.frames[0].rig_from_world_translation);
+  const std::vector<Eigen::Isometry3d> before = SensorsFromRigs(model);
+  const std::vector<Eigen::Isometry3d> after = SensorsFromRigs(refined);
+  ASSERT_EQ(after.size(), before.size());
+  for (size_t i = 0; i < before.size(); ++i) {
+    EXPECT_TRUE(after[i].isApprox(before[i], 1e-9)) << i;
+  }
 }
 
 TEST_F(FacetwiseRefinerTest, GivesTheSameBytesOnAnyNumberOfThreads) {

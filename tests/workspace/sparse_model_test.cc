@@ -175,11 +175,26 @@ SparseModel MakeModel() {
 }
 
 void AddFrames(SparseModel* model) {
-  model->rigs = {{1, 1, 0, 7}};
+  const Eigen::Quaterniond rotation =
+      Eigen::Quaterniond(1, 0.1, 0.2, 0.3).normalized();
+  // Two cameras, something that is none, and a camera without a pose.
+  model->rigs = {{1,
+                  {{0, 7},
+                   {0, 8, 1, rotation, {1, 2, 3}},
+                   {1, 2, 1, rotation.conjugate(), {4, 5, 6}},
+                   {0, 9}}},
+                 {2, {}}};
+  SparseFrame& frame = model->frames.emplace_back();
+  frame.frame_id = 10;
+  frame.rig_id = 1;
+  frame.rig_from_world_rotation = rotation;
+  frame.rig_from_world_translation = {7, 8, 9};
   for (uint32_t i = 0; i < 2; ++i) {
     const uint32_t image_id = model->images[i].image_id;
-    model->frames.push_back({10 + i, {image_id}, 1, {{0, 7, image_id}}});
+    frame.image_ids.push_back(image_id);
+    frame.data.push_back({0, 7 + i, image_id});
   }
+  model->frames.push_back({11, {}, 2, rotation, {1, 0, 0}, {{1, 2, 77}}});
 }
 
 void ExpectSame(const SparseModel& a, const SparseModel& b) {
@@ -199,8 +214,30 @@ void ExpectSame(const SparseModel& a, const SparseModel& b) {
   EXPECT_EQ(a.exact_positions, b.exact_positions);
   EXPECT_EQ(a.track_image_ids, b.track_image_ids);
   EXPECT_EQ(a.track_observations, b.track_observations);
-  EXPECT_EQ(a.frames.size(), b.frames.size());
-  EXPECT_EQ(a.rigs.size(), b.rigs.size());
+  ASSERT_EQ(a.frames.size(), b.frames.size());
+  for (size_t i = 0; i < a.frames.size(); ++i) {
+    EXPECT_EQ(a.frames[i].frame_id, b.frames[i].frame_id);
+    EXPECT_EQ(a.frames[i].rig_id, b.frames[i].rig_id);
+    EXPECT_EQ(a.frames[i].image_ids, b.frames[i].image_ids);
+    EXPECT_TRUE(a.frames[i].rig_from_world_rotation.isApprox(
+        b.frames[i].rig_from_world_rotation, 1e-15));
+    EXPECT_EQ(a.frames[i].rig_from_world_translation,
+              b.frames[i].rig_from_world_translation);
+  }
+  ASSERT_EQ(a.rigs.size(), b.rigs.size());
+  for (size_t i = 0; i < a.rigs.size(); ++i) {
+    EXPECT_EQ(a.rigs[i].rig_id, b.rigs[i].rig_id);
+    ASSERT_EQ(a.rigs[i].sensors.size(), b.rigs[i].sensors.size());
+    for (size_t k = 0; k < a.rigs[i].sensors.size(); ++k) {
+      const SparseSensor& sensor = a.rigs[i].sensors[k];
+      const SparseSensor& expected = b.rigs[i].sensors[k];
+      EXPECT_EQ(sensor.sensor_type, expected.sensor_type);
+      EXPECT_EQ(sensor.sensor_id, expected.sensor_id);
+      EXPECT_EQ(sensor.has_pose, expected.has_pose);
+      EXPECT_TRUE(sensor.rotation.isApprox(expected.rotation, 1e-15));
+      EXPECT_EQ(sensor.translation, expected.translation);
+    }
+  }
 }
 
 TEST_F(WriteSparseModelTest, IsReadBackAsItWasWithNoFramesOfAnotherModel) {
@@ -215,13 +252,24 @@ TEST_F(WriteSparseModelTest, IsReadBackAsItWasWithNoFramesOfAnotherModel) {
   EXPECT_EQ(List(path), "cameras.bin images.bin points3D.bin");
 }
 
-TEST_F(WriteSparseModelTest, TellsRigsOfSeveralCameras) {
-  SparseModel model = MakeModel();
-  EXPECT_TRUE(HasOneImageFrames(model));
-  AddFrames(&model);
-  EXPECT_TRUE(HasOneImageFrames(model));
-  model.rigs[0].num_sensors = 2;
-  EXPECT_FALSE(HasOneImageFrames(model));
+TEST_F(WriteSparseModelTest, ReadsRigsOfTextToo) {
+  for (const std::string name : {"cameras", "images", "points3D"}) {
+    WriteFile(path_ / "text" / (name + ".txt"),
+              name == "cameras" ? "7 PINHOLE 640 480 500 501 320 240\n" : "");
+  }
+  WriteFile(path_ / "text" / "frames.txt",
+            "# frames\n10 1 1 0 0 0 7 8 9 1 CAMERA 7 3\n");
+  EXPECT_THROW(ReadSparseModel(path_ / "text", SparseDetail::kAll), FileError);
+  WriteFile(path_ / "text" / "rigs.txt",
+            "1 3 CAMERA 7 CAMERA 8 1 1 0 0 0 1 2 3 IMU 2 0\n");
+  const SparseModel read = ReadSparseModel(path_ / "text", SparseDetail::kAll);
+  ASSERT_EQ(read.rigs.size(), 1);
+  ASSERT_EQ(read.rigs[0].sensors.size(), 3);
+  EXPECT_EQ(read.rigs[0].sensors[1].translation, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(read.rigs[0].sensors[2].sensor_type, 1);
+  EXPECT_EQ(read.rigs[0].sensors[2].has_pose, 0);
+  EXPECT_EQ(read.frames[0].rig_from_world_translation,
+            Eigen::Vector3d(7, 8, 9));
 }
 
 // The points' file is the one that does not fit.

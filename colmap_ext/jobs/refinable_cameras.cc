@@ -1,0 +1,147 @@
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "base/indices.h"
+#include "colmap_ext/jobs/refinement_input.h"
+
+namespace colmap_ext {
+namespace {
+
+// See CameraSet::leaders.
+// \param view_indices  by image_id
+std::vector<uint32_t> LeadersOf(
+    const SparseModel& model,
+    const std::map<uint32_t, uint32_t>& view_indices) {
+  std::vector<uint32_t> leaders(view_indices.size());
+  std::iota(leaders.begin(), leaders.end(), 0);
+  bool has_rigs = false;
+  for (const SparseFrame& frame : model.frames) {
+    uint32_t leader = kNone;
+    for (const uint32_t image_id : frame.image_ids) {
+      const auto it = view_indices.find(image_id);
+      if (it != view_indices.end()) {
+        leader = leader == kNone ? it->second : leader;
+        leaders[it->second] = leader;
+        has_rigs = has_rigs || it->second != leader;
+      }
+    }
+  }
+  return has_rigs ? leaders : std::vector<uint32_t>();
+}
+
+// Moves a frame of a rig as the image moves to a view's pose.
+void MoveFrame(const SparseImage& image, const View& view, SparseFrame* frame) {
+  Eigen::Quaterniond& q = frame->rig_from_world_rotation;
+  const Eigen::Quaterniond rig_from_cam =
+      q * image.cam_from_world_rotation.conjugate();
+  frame->rig_from_world_translation +=
+      rig_from_cam *
+      (view.cam_from_world_translation - image.cam_from_world_translation);
+  q = (rig_from_cam * Eigen::Quaterniond(view.cam_from_world_rotation))
+          .normalized();
+}
+
+// The sparse model as the refinement of the cameras takes it.
+std::shared_ptr<const RefinableCameras> MakeRefinableCameras(
+    const RefinementInput& input) {
+  const SparseModel& model = input.sparse_model;
+  const std::vector<size_t>& order = input.workspace.order.order.images;
+  auto cameras = std::make_shared<RefinableCameras>();
+  cameras->views = input.views;
+  cameras->images = input.images;
+  std::map<uint32_t, uint32_t> camera_indices;  // by camera_id
+  std::map<uint32_t, uint32_t> view_indices;    // by image_id
+  for (size_t i = 0; i < order.size(); ++i) {
+    const SparseImage& image = model.images[order[i]];
+    view_indices[image.image_id] = static_cast<uint32_t>(i);
+    cameras->view_cameras.push_back(
+        camera_indices
+            .emplace(image.camera_id,
+                     static_cast<uint32_t>(camera_indices.size()))
+            .first->second);
+  }
+  cameras->leaders = LeadersOf(model, view_indices);
+  SparseTracks& tracks = cameras->tracks;
+  for (size_t i = 0; i < model.exact_positions.size(); ++i) {
+    for (uint64_t k = model.track_image_ids.offsets[i];
+         k < model.track_image_ids.offsets[i + 1]; ++k) {
+      const auto it = view_indices.find(model.track_image_ids.values[k]);
+      if (it == view_indices.end() || !model.exact_positions[i].allFinite()) {
+        continue;
+      }
+      const SparseImage& image = model.images[order[it->second]];
+      if (model.track_observations[k] >= image.observations.size()) {
+        continue;  // observations are left out of some models
+      }
+      const SparseCamera& camera = model.cameras.at(image.camera_id);
+      const View& view = input.views[it->second];
+      const Eigen::Vector2d scale(1.0 * view.width / camera.width,
+                                  1.0 * view.height / camera.height);
+      const Eigen::Vector2d& pixel =
+          image.observations[model.track_observations[k]].pixel;
+      if (pixel.allFinite()) {
+        tracks.observations.values.push_back(
+            {it->second, pixel.cwiseProduct(scale)});
+      }
+    }
+    tracks.observations.EndRow();
+    tracks.positions.push_back(model.exact_positions[i]);
+  }
+  return cameras;
+}
+
+}  // namespace
+
+void SetSparseModel(SparseModel model, RefinementInput* input) {
+  input->sparse_model = std::move(model);
+  input->cameras = MakeRefinableCameras(*input);
+}
+
+SparseModel WithRefinedCameras(SparseModel model,
+                               const std::vector<size_t>& order,
+                               const std::vector<View>& views,
+                               bool has_intrinsics,
+                               const std::vector<Eigen::Vector3d>& positions) {
+  std::map<uint32_t, size_t> view_indices;  // by image_id
+  for (size_t i = 0; i < order.size(); ++i) {
+    view_indices[model.images[order[i]].image_id] = i;
+  }
+  for (SparseFrame& frame : model.frames) {
+    for (const uint32_t image_id : frame.image_ids) {
+      const auto it = view_indices.find(image_id);
+      if (it != view_indices.end()) {
+        MoveFrame(model.images[order[it->second]], views[it->second], &frame);
+        break;
+      }
+    }
+  }
+  for (size_t i = 0; i < order.size(); ++i) {
+    const View& view = views[i];
+    SparseImage& image = model.images[order[i]];
+    image.cam_from_world_rotation =
+        Eigen::Quaterniond(view.cam_from_world_rotation).normalized();
+    image.cam_from_world_translation = view.cam_from_world_translation;
+    if (has_intrinsics) {
+      SparseCamera& camera = model.cameras.at(image.camera_id);
+      const View full = ResizeView(view, static_cast<int>(camera.width),
+                                   static_cast<int>(camera.height));
+      camera.fx = full.fx;
+      camera.fy = full.fy;
+      camera.cx = full.cx;
+      camera.cy = full.cy;
+    }
+  }
+  for (size_t i = 0; i < positions.size(); ++i) {
+    model.exact_positions[i] = positions[i];
+    model.point_positions[i] = positions[i].cast<float>();
+  }
+  return model;
+}
+
+}  // namespace colmap_ext
