@@ -109,27 +109,27 @@ class Refiner {
 
   // What the run takes, and how many tiles would do where that is too much.
   void PrintEstimate() {
-    const RefinementEstimate run =
-        EstimateRun(input_, input_.views, options_.image_cache_gb,
-                    tbb::this_task_arena::max_concurrency());
+    const RefinementTile run =
+        EstimateRun(input_, input_.views, options_.image_cache_gb);
     const double machine_gb = 1e-9 * MachineMemory();
-    const double memory_gb = run.images_gb + run.surface_gb;
+    const double memory_gb =
+        run.memory_gb + run.thread_gb * tbb::this_task_arena::max_concurrency();
     PrintHeading("Run", log_);
     PrintText("memory, estimated",
               fmt::format("{:.2f} of {:.1f} GB", memory_gb, machine_gb), log_);
     PrintText("time of all threads, estimated",
               fmt::format("{:.1f} min", run.core_seconds / 60), log_);
+    const double surface_gb = kUsualGbPerPixel * run.pixels;
+    const double free_gb = machine_gb - (memory_gb - surface_gb);
     if (memory_gb > machine_gb) {
-      const double free_gb = machine_gb - run.images_gb;
       PrintWarning(
-          free_gb > 0
-              ? fmt::format("the machine may not have enough memory: "
-                            "`{} mesh_planner --num_tiles {:.0f}` makes tiles "
-                            "that fit (docs/large-scenes.md)",
-                            ProgramName(),
-                            std::ceil(1.5 * run.surface_gb / free_gb))
-              : "the machine may not have enough memory; a smaller "
-                "--image_cache_gb keeps fewer images",
+          "the machine may not have enough memory; " +
+              (free_gb > 0
+                   ? fmt::format("tiles have: {} mesh_planner --num_tiles "
+                                 "{:.0f}",
+                                 ProgramName(),
+                                 std::ceil(1.5 * surface_gb / free_gb))
+                   : "a smaller --image_cache_gb keeps fewer images"),
           log_);
     }
   }

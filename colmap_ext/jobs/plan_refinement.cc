@@ -95,7 +95,8 @@ std::vector<RefinementTile> PlanTiles(const Surface& surface, const Plan& plan,
   for (size_t tile = 0; tile < cells.size(); ++tile) {
     tiles[tile].color = colors[tile];
   }
-  EstimateJobs(surface, cells, plan.views, options.image_cache_gb, &tiles);
+  EstimateJobs(surface, cells, plan.views, options.image_cache_gb,
+               kBoundGbPerPixel, &tiles);
   return tiles;
 }
 

@@ -12,31 +12,18 @@
 namespace colmap_ext {
 
 void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
-                        RefinementTile* tile) {
-  // Fitted to tiles of bunny (docs/experiments.md), rounded up: what a square
-  // pixel of surface takes, and one of an image with what is drawn into it.
-  // The program, with the software that draws where there is no card.
+                        double gb_per_pixel, RefinementTile* tile) {
+  // Fitted to the scenes of docs/results.md. The program:
   constexpr double kBaseGb = 0.12;
-  constexpr double kGbPerPixel = 1.5e-7;
+  // A pixel of an image with what is drawn into it.
   constexpr double kGbPerImagePixel = 9e-9;
-  constexpr double kSecondsPerPixel = 4e-5;
-  // Facets: max_face_area's default of 7, cut in four where they are larger.
-  constexpr double kFacetsPerPixel = 4.0 / 7;
-  // A bit for each view, see FacetIdBuffer::is_facing.
-  constexpr double kGbPerFacetAndView = 1e-9 / 8;
   // Each thread: what it compares with and projects by, a picture that it reads
   // (4 bytes a pixel), and two that it compares, with what is drawn into them,
   // beyond what is kept of all.
   constexpr double kGbPerThread = 0.004;
   constexpr double kGbPerReadPixel = 4e-9;
-  // ... and the sums of the facets of five directions, which wait for their
-  // turn (photometry/photometric_energy.cc), and the places of all facets.
-  constexpr double kGbPerSum = 5 * 48e-9;
-  constexpr double kGbPerPlace = 0.25e-9;
-  // The facets of a direction, in shares of all: 18 labels a facet, each in one
-  // of the two directions of some 3 pairs a view, are 3 / views. Three times as
-  // many as in the mean one.
-  constexpr double kDirectionShare = 9;
+  constexpr double kSecondsPerPixel = 2.2e-5;
+  constexpr double kSecondsPerImagePixel = 2e-6;
   double num_pixels = 0;
   double largest = 0;
   for (const View& view : views) {
@@ -44,24 +31,19 @@ void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
     num_pixels += size;
     largest = std::max(largest, size);
   }
-  const auto num_views = static_cast<double>(views.size());
-  const double num_facets = kFacetsPerPixel * tile->pixels;
   const double images_gb = kGbPerImagePixel * num_pixels;
   const double kept_gb = std::min(max_memory_gb, images_gb);
-  const double share =
-      std::min(1.0, kDirectionShare / std::max(1.0, num_views));
-  tile->memory_gb = kBaseGb + kGbPerPixel * tile->pixels + kept_gb +
-                    kGbPerFacetAndView * num_views * num_facets;
+  tile->memory_gb = kBaseGb + gb_per_pixel * tile->pixels + kept_gb;
   tile->thread_gb =
       kGbPerThread + kGbPerReadPixel * largest +
-      std::min(2 * kGbPerImagePixel * largest, images_gb - kept_gb) +
-      (kGbPerSum * share + kGbPerPlace) * num_facets;
-  tile->core_seconds = kSecondsPerPixel * tile->pixels;
+      std::min(2 * kGbPerImagePixel * largest, images_gb - kept_gb);
+  tile->core_seconds =
+      kSecondsPerPixel * tile->pixels + kSecondsPerImagePixel * num_pixels;
 }
 
 void EstimateJobs(const Surface& surface, const TileCells& cells,
                   const std::vector<View>& views, double max_memory_gb,
-                  std::vector<RefinementTile>* tiles) {
+                  double gb_per_pixel, std::vector<RefinementTile>* tiles) {
   constexpr double kMinPixels = 7;  // that a facet takes as much as
   std::vector<std::vector<uint8_t>> is_seen_by(
       cells.size(), std::vector<uint8_t>(views.size(), 0));
@@ -94,37 +76,19 @@ void EstimateJobs(const Surface& surface, const TileCells& cells,
     for (const uint32_t view : Marked(is_seen_by[tile])) {
       of_tile.push_back(views[view]);
     }
-    EstimateRefinement(of_tile, max_memory_gb, &(*tiles)[tile]);
+    EstimateRefinement(of_tile, max_memory_gb, gb_per_pixel, &(*tiles)[tile]);
   }
 }
 
-RefinementEstimate EstimateRun(const Surface& surface,
-                               const std::vector<View>& views,
-                               double max_memory_gb, int num_threads) {
-  // Fitted to the scenes of docs/results.md, with their defaults.
-  constexpr double kBaseGb = 0.12;
-  constexpr double kGbPerPixel = 6e-8;
-  constexpr double kGbPerImagePixel = 9e-9;
-  constexpr double kGbPerThread = 0.004;
-  constexpr double kGbPerReadPixel = 4e-9;
-  constexpr double kSecondsPerPixel = 2.2e-5;
-  constexpr double kSecondsPerImagePixel = 2e-6;
+RefinementTile EstimateRun(const Surface& surface,
+                           const std::vector<View>& views,
+                           double max_memory_gb) {
   const auto far =
       Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity()).eval();
   std::vector<RefinementTile> all(1);
-  EstimateJobs(surface, {{-far, far}}, views, max_memory_gb, &all);
-  double num_pixels = 0;
-  double largest = 0;
-  for (const View& view : views) {
-    const double size = static_cast<double>(view.width) * view.height;
-    num_pixels += size;
-    largest = std::max(largest, size);
-  }
-  return {
-      std::min(max_memory_gb, kGbPerImagePixel * num_pixels) + kBaseGb +
-          num_threads * (kGbPerThread + kGbPerReadPixel * largest),
-      kGbPerPixel * all[0].pixels,
-      kSecondsPerPixel * all[0].pixels + kSecondsPerImagePixel * num_pixels};
+  EstimateJobs(surface, {{-far, far}}, views, max_memory_gb, kUsualGbPerPixel,
+               &all);
+  return all[0];
 }
 
 }  // namespace colmap_ext

@@ -7,28 +7,27 @@
 
 namespace colmap_ext {
 
+// What a square pixel of surface takes, GB, as a rule; and at most, for jobs
+// whose memory is limited.
+inline constexpr double kUsualGbPerPixel = 6e-8;
+inline constexpr double kBoundGbPerPixel = 1.5e-7;
+
 // Sets what the job that refines a tile takes by `pixels` of surface: its
 // memory, that of each of its threads, and its time.
 // \param views  that see the tile.
 // \param max_memory_gb  see RefinerOptions.
 void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
-                        RefinementTile* tile);
+                        double gb_per_pixel, RefinementTile* tile);
 
 // The same of all tiles, by the surface and the views that each of them has.
 // \param tiles  [cells] with their margins
 void EstimateJobs(const Surface& surface, const TileCells& cells,
                   const std::vector<View>& views, double max_memory_gb,
-                  std::vector<RefinementTile>* tiles);
+                  double gb_per_pixel, std::vector<RefinementTile>* tiles);
 
-// What a run without tiles takes, as a rule; jobs of tiles have bounds.
-struct RefinementEstimate {
-  double images_gb = 0;   // that are kept, the program and the threads
-  double surface_gb = 0;  // which tiles would share out
-  double core_seconds = 0;
-};
-
-RefinementEstimate EstimateRun(const Surface& surface,
-                               const std::vector<View>& views,
-                               double max_memory_gb, int num_threads);
+// What a run without tiles takes, as a rule.
+RefinementTile EstimateRun(const Surface& surface,
+                           const std::vector<View>& views,
+                           double max_memory_gb);
 
 }  // namespace colmap_ext
