@@ -1,8 +1,6 @@
-#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <numeric>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -18,8 +16,7 @@ namespace {
 std::vector<uint32_t> LeadersOf(
     const SparseModel& model,
     const std::map<uint32_t, uint32_t>& view_indices) {
-  std::vector<uint32_t> leaders(view_indices.size());
-  std::iota(leaders.begin(), leaders.end(), 0);
+  std::vector<uint32_t> leaders = Iota(view_indices.size());
   bool has_rigs = false;
   for (const SparseFrame& frame : model.frames) {
     uint32_t leader = kNone;

@@ -186,7 +186,7 @@ class FacetwiseRefinementOptions(BaseOptions):
     refine_cameras: Literal["auto", "none", "poses", "poses_intrinsics"] = "auto"
     """Camera parameters to refine before the surface, written to
     WORKSPACE/sparse-refined, of a plan to PLAN/sparse-refined. auto: poses, only if the
-    images are misaligned, and not for rigs."""
+    images are misaligned. The cameras of a rig move together."""
 
     min_confidence: Union[Annotated[float, Range(0, 1)], Literal["auto"]] = "auto"
     """Remove faces with a lower confidence; 0: keep all. auto: 0.2, or 0 without fused

@@ -310,8 +310,7 @@ void OfferChoices(std::vector<uint32_t> choices, double energy,
 void PassMessages(const PottsProblem& problem, double max_gap,
                   int max_iterations, PottsSolution* solution) {
   // Relative to the bound, from pass to pass. A third of the default max_gap:
-  // at a slower rise the gap would take many passes to close, which the alpha
-  // expansion does in one round.
+  // at a slower rise the gap would take many passes to close.
   constexpr double kMinRise = 3e-4;
   MessagePassing passing(problem);
   std::vector<uint32_t> choices = solution->choices;
@@ -386,9 +385,6 @@ PottsSolution SolvePotts(const PottsProblem& problem, double max_gap,
   solution.energy = solution.initial_energy;
   PassMessages(problem, max_gap, max_iterations, &solution);
   solution.energy = PottsEnergy(problem, solution.choices);
-  std::vector<uint32_t> expanded = ExpandLabels(problem, solution.choices);
-  const double energy = PottsEnergy(problem, expanded);
-  OfferChoices(std::move(expanded), energy, &solution);
   return solution;
 }
 

@@ -49,9 +49,7 @@ struct PottsSolution {
 
 // Sequential tree-reweighted message passing [Kolmogorov2006] until the energy
 // is within `max_gap` of the lower bound, relative to the energy, the bound no
-// longer rises, or `max_iterations` are done; then alpha
-// expansion (ExpandLabels), as messages alone take very long to decide
-// which label is best for a large area. Messages are passed in the nodes'
+// longer rises, or `max_iterations` are done. Messages are passed in the nodes'
 // order: nodes in a SweepOrder let them run far, in parallel, and close in
 // memory. Time of an iteration and memory follow the sum of the nodes' labels.
 PottsSolution SolvePotts(const PottsProblem& problem, double max_gap = 1e-3,
@@ -61,21 +59,6 @@ PottsSolution SolvePotts(const PottsProblem& problem, double max_gap = 1e-3,
 // \param choices [N] see PottsSolution
 double PottsEnergy(const PottsProblem& problem,
                    const std::vector<uint32_t>& choices);
-
-// Alpha expansion [Boykov2001]: for one label after the other, those nodes take
-// it that have it among theirs and lower the energy most by taking it together,
-// found by a minimum cut. The cuts' graphs are of these nodes alone, so that
-// time and memory follow the sum of the nodes' labels. Capacities are integers:
-// the energy can rise by a rounding.
-//
-// A round is done in each block, the nodes nearest to one of some seeds, while
-// the others stay, blocks without edges between them in parallel; large
-// problems have a second round, in blocks around other seeds.
-//
-// \param choices [N] see PottsSolution
-// \return new choices
-std::vector<uint32_t> ExpandLabels(const PottsProblem& problem,
-                                   std::vector<uint32_t> choices);
 
 // An order to visit a graph's nodes in, each after what its neighbors before it
 // have left: by their distance from the nearest of some seeds, one for each

@@ -82,8 +82,7 @@ RefinedMesh Refine(PhotometricEnergy* energy,
   options.labeling.final_pairs_per_facet = 0;
   options.cameras.parts = RefinedParts::kPoses;
   const auto cameras = std::make_shared<RefinableCameras>(
-      RefinableCameras{DisturbedCameras().views,
-                       DisturbedCameras().view_cameras, scene.tracks, images});
+      RefinableCameras{DisturbedCameras(), scene.tracks, images});
   VertexAttributes attributes;
   attributes.views = Rows<uint32_t>(scene.scene.Truth().vertices.size());
   return RefineFacetwise(

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/indices.h"
 #include "tests/mesh/known_meshes.h"
 
 namespace colmap_ext::refinement_estimate_test {
@@ -15,7 +16,7 @@ RefinementTile Estimate(double focal_length, double max_memory_gb,
                         size_t num_views = 1) {
   Surface surface{MakeSheet(kNumQuads, kNumQuads), {}};
   for (size_t i = 0; i < surface.mesh.vertices.size(); ++i) {
-    surface.attributes.views.AddRow(std::vector<uint32_t>{0});
+    surface.attributes.views.AddRow(Iota(static_cast<uint32_t>(num_views)));
   }
   View view{"", 4000, 3000};
   view.fx = view.fy = focal_length;
