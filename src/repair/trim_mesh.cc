@@ -147,8 +147,8 @@ void AddLeftovers(const LinkedMesh& surface,
     }
     is_wide[piece] |= !IsReached(distances, facets[i]);
     const Eigen::Vector3f area = AreaVector(surface.mesh, facets[i]) / 2;
-    sizes[piece] += (area / widths[i] / widths[i]).norm() * confidences[i] *
-                    confidences[i];
+    sizes[piece] +=
+        (area / widths[i] / widths[i]).norm() * confidences[i] * confidences[i];
     largest = std::max(largest, sizes[piece]);
   }
   const double min_size = std::min(std::numbers::pi, largest);  // of a disk
