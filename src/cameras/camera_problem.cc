@@ -60,8 +60,8 @@ struct CameraPriorTerms {
   }
 };
 
-// The matrix that makes steps of all views, to first order, of those of
-// leaders. Columns of other poses are 0.
+// Maps the steps of the leaders to the steps of all views, to first order. The
+// columns of the other poses are 0.
 Eigen::SparseMatrix<double> StepsByLeaders(const CameraSet& cameras,
                                            Eigen::Index size) {
   std::vector<Eigen::Triplet<double>> entries;
@@ -241,7 +241,7 @@ class Problem {
     return matrix;
   }
 
-  // The same where views follow their leaders.
+  // The same by the reduced equations of the leaders, see StepsByLeaders().
   Eigen::VectorXd SolutionOfRigs(const Eigen::SparseMatrix<double>& lower,
                                  const Eigen::VectorXd& right) const {
     const Eigen::SparseMatrix<double> all =

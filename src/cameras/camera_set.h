@@ -60,7 +60,8 @@ struct RelativePose {
   Eigen::Vector3d translation;  // scene units
 };
 
-// Moves the views of rigs to where their leaders are, by their original poses.
+// Gives the views of rigs the poses that follow from those of their leaders and
+// the original poses relative to them.
 void FollowLeaders(const CameraSet& original, std::vector<View>* views);
 
 // The step that MoveView() goes from one pose to another.

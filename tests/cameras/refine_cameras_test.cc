@@ -75,7 +75,7 @@ TEST(RefineCameras, RigsMoveAsTheyAre) {
   const RefinedCameras refined = Refine(start);
   EXPECT_LT(RigError(refined.cameras), 1e-9);
   EXPECT_LT(DistanceToTruth(refined), 0.05);
-  // Intrinsics and views that lack all evidence are no exception.
+  // With intrinsics too.
   CameraRefinementOptions options = Poses();
   options.parts = RefinedParts::kPosesIntrinsics;
   const RefinedCameras all = Refine(start, options);
