@@ -14,6 +14,7 @@
 #include "formats/write_mesh.h"
 #include "mesh/mesh_in_image.h"
 #include "mesh/space_filling_curve.h"
+#include "photometry/image_pyramid.h"
 #include "workspace/workspace_paths.h"
 
 namespace colmap_ext {
@@ -268,7 +269,9 @@ RefinedMesh MergeRefined(const fs::path& folder, const Progress& progress) {
   }
   refined.origins = refined.mesh.vertices;
   refined.labels.labels = Rows<uint32_t>(refined.mesh.facets.size());
-  refined.views = refinement.views;
+  for (const View& view : refinement.views) {
+    refined.views.push_back(ViewAtScale(view, options.image_scale));
+  }
   FinishRefinement(options.refinement, progress, &refined);
   return refined;
 }

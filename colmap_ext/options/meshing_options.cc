@@ -62,8 +62,8 @@ void AddPointOptions(CommandOptions* options, MesherOptions* mesher) {
                "that span sky or openings. 0: keep all");
   options->Add(ours + "close_holes", &meshing->borders.close_holes,
                {0, kNoLimit, kAllLoops},
-               "[px] Close holes up to this wide in the view that sees them "
-               "best; 0: none, -1: all, even the outer border");
+               "[px] Close holes up to this wide in the median of their "
+               "views; 0: none, -1: all, even the outer border");
   options->Add(ours + "min_component_faces", &meshing->min_component_faces, {0},
                "[faces] Remove components with fewer faces");
   options->Add(ours + "max_side_length_factor",

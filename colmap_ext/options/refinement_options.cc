@@ -132,8 +132,8 @@ void AddBasicOptions(CommandOptions* options, RefinerOptions* refiner) {
   options->AddAlias(ours + "trim", ours + "min_confidence");
   options->Add(ours + "close_holes", &refinement->borders.close_holes,
                {0, kNoLimit, kAllLoops},
-               "[px] Close holes up to this wide in the view that sees them "
-               "best; 0: none, -1: all, even the outer border");
+               "[px] Close holes up to this wide in the median of their "
+               "views; 0: none, -1: all, even the outer border");
   options->Add(ours + "skip_missing_images", &refiner->skip_missing_images,
                "Continue without images that are missing, unreadable, or not "
                "of their camera's size");

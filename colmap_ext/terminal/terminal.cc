@@ -160,12 +160,16 @@ size_t PeakMemory() {
 }
 
 size_t MachineMemory() {
-  const auto all = static_cast<size_t>(sysconf(_SC_PHYS_PAGES)) *
-                   static_cast<size_t>(sysconf(_SC_PAGESIZE));
-  size_t limit = 0;  // "max" where there is none
-  const bool has_limit =
-      static_cast<bool>(std::ifstream("/sys/fs/cgroup/memory.max") >> limit);
-  return has_limit ? std::min(all, limit) : all;
+  auto least = static_cast<size_t>(sysconf(_SC_PHYS_PAGES)) *
+               static_cast<size_t>(sysconf(_SC_PAGESIZE));
+  // Of version 2, "max" where there is no limit, and of version 1.
+  for (const char* path : {"/sys/fs/cgroup/memory.max",
+                           "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
+    if (size_t limit = 0; std::ifstream(path) >> limit) {
+      least = std::min(least, limit);
+    }
+  }
+  return least;
 }
 
 StopSignal::StopSignal() {

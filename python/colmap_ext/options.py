@@ -53,8 +53,8 @@ class DelaunayManifoldMeshingOptions(BaseOptions):
     openings. 0: keep all."""
 
     close_holes: Annotated[float, Range(0, also=-1)] = 0.0
-    """[px] Close holes up to this wide in the view that sees them best; 0: none, -1:
-    all, even the outer border."""
+    """[px] Close holes up to this wide in the median of their views; 0: none, -1: all,
+    even the outer border."""
 
     min_component_faces: Annotated[int, Range(0)] = 0
     """[faces] Remove components with fewer faces."""
@@ -193,8 +193,8 @@ class FacetwiseRefinementOptions(BaseOptions):
     points or if no face has as much."""
 
     close_holes: Annotated[float, Range(0, also=-1)] = 64.0
-    """[px] Close holes up to this wide in the view that sees them best; 0: none, -1:
-    all, even the outer border."""
+    """[px] Close holes up to this wide in the median of their views; 0: none, -1: all,
+    even the outer border."""
 
     skip_missing_images: bool = False
     """Continue without images that are missing, unreadable, or not of their camera's

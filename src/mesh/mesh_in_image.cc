@@ -44,6 +44,20 @@ double TwiceArea(const View& view, const Eigen::Vector3d& a,
   return ab.x() * ac.y() - ab.y() * ac.x();
 }
 
+// Appends what a pixel covers at a point, in each view that it lies before.
+void AppendFootprints(const Eigen::Vector3f& point,
+                      std::span<const uint32_t> view_indices,
+                      const std::vector<View>& views,
+                      std::vector<double>* footprints) {
+  for (const uint32_t index : view_indices) {
+    const View& view = views[index];
+    const double depth = view.CamFromWorld(point.cast<double>()).z();
+    if (depth > 0) {
+      footprints->push_back(depth / std::sqrt(view.fx * view.fy));
+    }
+  }
+}
+
 }  // namespace
 
 Polygon ClipToImage(const View& view, const TriangleMesh& mesh,
@@ -108,11 +122,12 @@ std::vector<float> Footprints(const TriangleMesh& mesh,
   const double median = MedianFootprint(mesh, vertex_views, views);
   std::vector<float> footprints;
   footprints.reserve(mesh.vertices.size());
+  std::vector<double> of_views;
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const double nearest =
-        NearestFootprint(mesh.vertices[i], vertex_views[i], views);
+    of_views.clear();
+    AppendFootprints(mesh.vertices[i], vertex_views[i], views, &of_views);
     footprints.push_back(
-        static_cast<float>(std::isinf(nearest) ? median : nearest));
+        static_cast<float>(of_views.empty() ? median : Median(&of_views)));
   }
   return footprints;
 }
@@ -122,14 +137,7 @@ double MedianFootprint(const TriangleMesh& mesh,
                        const std::vector<View>& views) {
   std::vector<double> footprints;
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    for (const uint32_t view_index : vertex_views[i]) {
-      const View& view = views[view_index];
-      const double depth =
-          view.CamFromWorld(mesh.vertices[i].cast<double>()).z();
-      if (depth > 0) {
-        footprints.push_back(depth / std::sqrt(view.fx * view.fy));
-      }
-    }
+    AppendFootprints(mesh.vertices[i], vertex_views[i], views, &footprints);
   }
   return footprints.empty() ? 0 : Median(&footprints);
 }

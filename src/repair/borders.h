@@ -96,8 +96,7 @@ struct BorderOptions {
   // kAllLoops: all.
   double close_holes = 0;
 
-  // The gap width of TrimMesh(), in pixels of the view that sees a vertex best.
-  // Not negative.
+  // The gap width of TrimMesh(), px of Footprints(). Not negative.
   double gap_pixels = 32;
 
   // If no facet is confident, the mesh is not trimmed.

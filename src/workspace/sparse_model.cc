@@ -79,6 +79,15 @@ void CheckImages(const SparseModel& model,
       throw FileError(folder, label + " has no valid pose");
     }
   }
+  std::set<uint32_t> framed_ids;
+  for (const SparseFrame& frame : model.frames) {
+    for (const uint32_t image_id : frame.image_ids) {
+      if (!framed_ids.insert(image_id).second) {
+        throw FileError(
+            folder, fmt::format("image {} is in its frames twice", image_id));
+      }
+    }
+  }
 }
 
 // COLMAP's binary model format: https://colmap.github.io/format.html, and
@@ -258,12 +267,12 @@ std::vector<std::filesystem::path> SparseModelFiles(
     const std::filesystem::path& folder) {
   const char* extension = HasFiles(folder, ".bin") ? ".bin" : ".txt";
   std::vector<std::filesystem::path> files;
-  for (const char* name : {"cameras", "images", "points3D", "frames"}) {
+  for (const char* name : {"cameras", "images", "points3D", "rigs", "frames"}) {
     files.push_back(folder / (std::string(name) + extension));
   }
   std::error_code error;
   if (!std::filesystem::exists(files.back(), error)) {
-    files.pop_back();
+    files.resize(3);  // before COLMAP 3.12
   }
   return files;
 }

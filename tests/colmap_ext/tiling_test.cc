@@ -217,6 +217,16 @@ TEST_F(TilingTest, AMergerOnAFullDiskLeavesTheOldMesh) {
   }
 }
 
+TEST_F(TilingTest, TheMergerReplacesNoFileOfThePlan) {
+  MakeAll(1);
+  for (const char* name : {"plan.json", "tile00000.cut.bin"}) {
+    ExpectRefusal(RunProgram("mesh_merger" + PathOption("plan", plan_) +
+                             PathOption("output_path", plan_ / name)),
+                  "it is read, and would be replaced");
+  }
+  Succeed(Merge());
+}
+
 TEST_F(TilingTest, TheMergerFinishesTheSurfaceAsTheMesherDoes) {
   for (const std::string option :
        {"trim 0.2", "close_holes -1", "min_component_faces 20"}) {

@@ -280,16 +280,18 @@ TEST(ClipToImage, LeavesNothingOfWhatLiesBehindOrAtTheCamera) {
   }
 }
 
-TEST(Footprints, AreThoseOfTheNearestViews) {
+TEST(Footprints, AreThoseOfTheMedianViews) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 4}, {0, 0, 8}, {1, 0, 6}};
   const View view{"", 0, 0, 2, 2};  // at the origin, along z
   View near = view;
   near.cam_from_world_translation = {0, 0, -2};
-  const Rows<uint32_t> vertex_views({0, 2, 3, 3}, {0, 1, 0});
-  EXPECT_EQ(Footprints(mesh, vertex_views, {view, near}),
-            (std::vector<float>{1, 4, 2}));
-  EXPECT_EQ(MedianFootprint(mesh, vertex_views, {view, near}), 2);
+  View behind = view;  // the first vertex lies behind it
+  behind.cam_from_world_translation = {0, 0, -5};
+  const Rows<uint32_t> vertex_views({0, 3, 6, 6}, {0, 1, 2, 0, 1, 2});
+  EXPECT_EQ(Footprints(mesh, vertex_views, {view, near, behind}),
+            (std::vector<float>{1.5, 3, 2}));
+  EXPECT_EQ(MedianFootprint(mesh, vertex_views, {view, near, behind}), 2);
   EXPECT_EQ(Footprints(mesh, Rows<uint32_t>(3), {view}),
             (std::vector<float>{0, 0, 0}));
 }

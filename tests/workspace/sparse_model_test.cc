@@ -92,7 +92,11 @@ TEST_F(SparseModelTest, RefusesImagesWithoutCameraTwinsAndUnknownCameraModels) {
   ExpectRefused("camera 3");
   const std::string twin = "1 1 0 0 0 0 0 0 7 a.png\n\n";
   WriteFile(path_ / "images.txt", twin + twin);
-  ExpectRefused("twice");
+  ExpectRefused("image 1 is there twice");
+  sphere_.WriteModel(path_, ".txt");
+  const std::string frame = " 1 1 0 0 0 7 8 9 1 CAMERA 7 4\n";
+  WriteFile(path_ / "frames.txt", "10" + frame + "11" + frame);
+  ExpectRefused("image 4 is in its frames twice");
   sphere_.WriteModel(path_, ".txt");
   WriteFile(path_ / "cameras.txt", "7 NEW_ONE 80 60 90 40 30 0.1\n");
   ExpectRefused("NEW_ONE");
