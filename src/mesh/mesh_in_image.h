@@ -44,8 +44,8 @@ double NearestFootprint(const Eigen::Vector3f& point,
                         std::span<const uint32_t> view_indices,
                         const std::vector<View>& views);
 
-// What a pixel covers at each vertex: [V] scene units, the median over the views
-// that see it, and MedianFootprint() where none does.
+// What a pixel covers at each vertex: [V] scene units, the median over the
+// views that see it, and MedianFootprint() where none does.
 // \param vertex_views [V] see VertexAttributes
 std::vector<float> Footprints(const TriangleMesh& mesh,
                               const Rows<uint32_t>& vertex_views,
