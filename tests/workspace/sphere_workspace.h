@@ -141,10 +141,11 @@ inline std::optional<GrayImage> ReadGrayNetpbm(
   return gray;
 }
 
-// Colour of the sphere at a point of it.
+// Colour of the sphere at a point of it, black where it is not finite.
 inline Color SphereColor(const Eigen::Vector3d& point) {
   const auto channel = [](double value) {
-    return static_cast<uint8_t>(std::clamp(128 + 120 * value, 0.0, 255.0));
+    return static_cast<uint8_t>(
+        std::isfinite(value) ? std::clamp(128 + 120 * value, 0.0, 255.0) : 0);
   };
   return {channel(std::sin(5 * point.x())), channel(std::sin(7 * point.y())),
           channel(point.z())};
