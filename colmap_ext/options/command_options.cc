@@ -123,29 +123,22 @@ void CommandOptions::Add(const std::string& name,
 }
 
 void CommandOptions::AddChoice(const std::string& name,
-                               const std::vector<Word>& words,
+                               const std::vector<std::string>& words,
                                const std::function<size_t()>& get,
                                const std::function<void(size_t)>& set,
                                const std::string& help) {
-  std::vector<std::string> listed;
-  for (const Word& word : words) {
-    if (word.is_listed) {
-      listed.push_back(word.text);
-    }
-  }
-  const std::string list = fmt::format("{{{}}}: ", fmt::join(listed, ", "));
-  const std::string last = listed.back();
-  listed.pop_back();
+  const std::string list = fmt::format("{{{}}}: ", fmt::join(words, ", "));
+  const auto all_but_last = std::span(words).first(words.size() - 1);
   options_.push_back(
       {.name = name,
        .help = list + help,
        .group = group_,
-       .kind = fmt::format("{} or {}", fmt::join(listed, ", "), last),
-       .text = [=] { return words[get()].text; },
+       .kind =
+           fmt::format("{} or {}", fmt::join(all_but_last, ", "), words.back()),
+       .text = [=] { return words[get()]; },
        .set =
            [=](const std::string& text) {
-             const auto it =
-                 std::ranges::find(words, ToLower(text), &Word::text);
+             const auto it = std::ranges::find(words, ToLower(text));
              if (it != words.end()) {
                set(static_cast<size_t>(it - words.begin()));
              }
@@ -157,9 +150,9 @@ void CommandOptions::AddPreset(
     const std::string& name,
     const std::vector<std::pair<const char*, std::function<void()>>>& words,
     size_t chosen, const std::string& help) {
-  std::vector<Word> names;
+  std::vector<std::string> names;
   for (const auto& [word, set_values] : words) {
-    names.push_back({word, true});
+    names.push_back(word);
   }
   const auto index = std::make_shared<size_t>(chosen);
   AddChoice(

@@ -60,7 +60,7 @@ inline constexpr NumberRange kThreads{1, 1024, -1};
 inline constexpr NumberRange kCountOrMinusOne{0, kNoLimit, -1};
 
 // Groups of options in the help, in this order.
-enum class OptionGroup { kBasic, kAdvanced, kAblations, kOldNames };
+enum class OptionGroup { kBasic, kAdvanced, kAblations };
 
 // The options of a command, by the rules of COLMAP's command line: each has a
 // value, `--name VALUE` or `--name=VALUE`; truth values are 0 or 1. COLMAP's
@@ -116,25 +116,23 @@ class CommandOptions {
            const NumberRange& range, const std::string& help = "");
 
   // Adds a choice of words; upper and lower case are the same.
-  // \param words  each with the value that it stands for. A later word for the
-  //        same value is accepted, but not listed. The help lists the others.
+  // \param words  each with the value that it stands for
   template <typename Value>
   void AddWord(const std::string& name, Value* value,
                std::vector<std::pair<const char*, Value>> words,
                const std::string& help) {
-    const auto find = [words](const Value& wanted) {
+    std::vector<std::string> names;
+    for (const auto& [word, meaning] : words) {
+      names.push_back(word);
+    }
+    const auto find = [=] {
       return static_cast<size_t>(
-          std::ranges::find(words, wanted,
+          std::ranges::find(words, *value,
                             &std::pair<const char*, Value>::second) -
           words.begin());
     };
-    std::vector<Word> names;
-    for (size_t i = 0; i < words.size(); ++i) {
-      names.push_back({words[i].first, find(words[i].second) == i});
-    }
     AddChoice(
-        name, names, [=] { return find(*value); },
-        [=](size_t i) { *value = words[i].second; }, help);
+        name, names, find, [=](size_t i) { *value = words[i].second; }, help);
   }
 
   // Adds a choice of words that set the values of options added later, unless
@@ -168,12 +166,7 @@ class CommandOptions {
   const std::vector<Alias>& Aliases() const { return aliases_; }
 
  private:
-  struct Word {
-    std::string text;
-    bool is_listed;
-  };
-
-  void AddChoice(const std::string& name, const std::vector<Word>& words,
+  void AddChoice(const std::string& name, const std::vector<std::string>& words,
                  const std::function<size_t()>& get,
                  const std::function<void(size_t)>& set,
                  const std::string& help);

@@ -69,7 +69,6 @@ void AddEvaluatorOptions(CommandOptions* options, EvaluatorOptions* evaluator) {
                "Write a picture of the colored mesh with its scale, PNG");
   options->Add("image_name", &evaluator->image_name,
                "Draw the picture from the camera of this image");
-  options->AddAlias("picture_image", "image_name");
   AddRegionOption("Count only samples inside", &evaluator->region,
                   "; auto: the part that most images look at", options);
   options->Add(ours + "stride", &evaluation->stride, {1, 1000},

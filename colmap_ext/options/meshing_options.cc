@@ -96,14 +96,7 @@ void AddPointOptions(CommandOptions* options, MesherOptions* mesher) {
       ours + "half_pixel_correction", &mesher->half_pixel,
       {{"auto", HalfPixelCorrection::kAuto},
        {"full", HalfPixelCorrection::kFull},
-       {"off", HalfPixelCorrection::kOff},
-       {"1", HalfPixelCorrection::kAuto},
-       {"true", HalfPixelCorrection::kAuto},
-       {"yes", HalfPixelCorrection::kAuto},
-       {"on", HalfPixelCorrection::kAuto},
-       {"0", HalfPixelCorrection::kOff},
-       {"false", HalfPixelCorrection::kOff},
-       {"no", HalfPixelCorrection::kOff}},
+       {"off", HalfPixelCorrection::kOff}},
       "Correct the half-pixel offset of COLMAP's fused points, by the amount "
       "that the sparse points show, by half a pixel, or not");
 }
@@ -125,14 +118,6 @@ void AddAblationOptions(CommandOptions* options, MesherOptions* mesher) {
       {{"energy", FixingRule::kEnergy}, {"paper", FixingRule::kPaper}},
       "How singular vertices are removed: fewest remaining at the lowest cut "
       "energy, or the paper's three passes");
-  options->SetGroup(OptionGroup::kOldNames);
-  options->AddWord(ours + "alpha_kind", &mesher->old_alpha_kind,
-                   {{"tracks", ObservationWeight::kTracks},
-                    {"constant", ObservationWeight::kConstant}},
-                   "tracks is --" + ours + "alpha_vis 0, and constant is 1");
-  options->Add(ours + "half_pixel_calibration",
-               &mesher->old_half_pixel_calibration,
-               "0 is --" + ours + "half_pixel_correction full");
   options->SetGroup(OptionGroup::kBasic);
   options->AddAlias(ours + "trim", ours + "min_confidence");
 }
@@ -197,15 +182,9 @@ void MesherOptions::Finish() {
   scene.Finish();
   RefuseIf(mask_background && scene.mask_path.empty(),
            "--mask_background needs --mask_path");
-  if (old_alpha_kind == ObservationWeight::kConstant && alpha_vis == 0) {
-    alpha_vis = 1;
-  }
   if (alpha_vis > 0) {
     meshing.alpha_kind = ObservationWeight::kConstant;
     meshing.alpha_vis = alpha_vis;
-  }
-  if (!old_half_pixel_calibration && half_pixel == HalfPixelCorrection::kAuto) {
-    half_pixel = HalfPixelCorrection::kFull;
   }
 }
 

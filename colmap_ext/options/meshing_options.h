@@ -40,10 +40,6 @@ struct MesherOptions {
   HalfPixelCorrection half_pixel = HalfPixelCorrection::kAuto;
   double alpha_vis = 0;  // see ManifoldMeshingOptions; 0: kTracks
 
-  // Options of earlier versions, which Finish() converts.
-  bool old_half_pixel_calibration = true;
-  ObservationWeight old_alpha_kind = ObservationWeight::kTracks;
-
   // Where to read.
   std::filesystem::path InputPath() const;
 

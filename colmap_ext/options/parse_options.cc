@@ -294,13 +294,6 @@ void PrintGroup(const CommandOptions& options, OptionGroup group,
     }
     PrintOption("--" + option.name + value, option.help, stream);
   }
-  for (const CommandOptions::Alias& alias : options.Aliases()) {
-    if (group == OptionGroup::kOldNames) {
-      stream << std::exchange(heading, "");
-      PrintOption("--" + alias.name, "is --" + alias.option + alias.note,
-                  stream);
-    }
-  }
 }
 
 }  // namespace
@@ -339,7 +332,11 @@ void PrintHelp(const CommandOptions& options, const std::string& versions,
   PrintGroup(options, OptionGroup::kAdvanced, "\nAdvanced:\n\n", stream);
   PrintGroup(options, OptionGroup::kAblations, "\nAblations of the paper:\n\n",
              stream);
-  PrintGroup(options, OptionGroup::kOldNames, "\nOther names:\n\n", stream);
+  const char* heading = "\nOther names:\n\n";
+  for (const CommandOptions::Alias& alias : options.Aliases()) {
+    stream << std::exchange(heading, "");
+    PrintOption("--" + alias.name, "is --" + alias.option + alias.note, stream);
+  }
 }
 
 }  // namespace colmap_ext

@@ -66,10 +66,8 @@ void AddViewerOptions(CommandOptions* options, ViewerOptions* viewer) {
   options->Add(
       "screenshot_path", &viewer->screenshot_path,
       "Write a picture, PNG, instead of opening a window; needs no display");
-  options->AddAlias("screenshot", "screenshot_path");
   options->Add("image_name", &viewer->image_name,
                "Draw the picture from the camera of this image");
-  options->AddAlias("camera", "image_name");
   options->Add("image_opacity", &viewer->image_opacity, {0, 1},
                "Opacity of that image over the mesh");
   options->Add("turntable", &viewer->turntable, {0, 1000},

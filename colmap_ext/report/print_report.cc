@@ -58,9 +58,7 @@ void PrintFixing(const ManifoldMeshingReport& report, ReportLog* log) {
 void PrintMesh(const ManifoldMeshingReport& report, ReportLog* log) {
   PrintHeading("Mesh", log);
   PrintIfAny("long faces dropped", report.num_long_facets, log);
-  PrintIfAny("small components dropped", report.small_components.num_components,
-             log);
-  PrintIfAny("  their faces", report.small_components.num_facets, log);
+  PrintIfAny("small components dropped", report.num_small_components, log);
   PrintIfAny("vertices smoothed", report.smoothing.num_moved, log);
   const SelfIntersectionRepair& repair = report.self_intersections;
   PrintIfAny("self-intersections removed", repair.num_before - repair.num_after,
@@ -148,10 +146,8 @@ void PrintFootprint(double footprint, ReportLog* log) {
 
 void PrintReport(const BorderReport& report, ReportLog* log) {
   PrintIfAny("faces trimmed", report.trim.num_facets, log);
-  PrintIfAny("  not confident, in small gaps, kept",
-             report.trim.num_kept_facets, log);
-  PrintIfAny("  small or cut off, dropped", report.trim.num_leftover_facets,
-             log);
+  PrintIfAny("  small or cut off", report.trim.num_leftover_facets, log);
+  PrintIfAny("faces kept, not confident", report.trim.num_kept_facets, log);
   PrintIfAny("holes closed", report.holes.num_closed, log);
   PrintIfAny("  by faces", report.holes.num_facets, log);
   PrintIfAny("  by faces that intersect others", report.holes.num_intersecting,

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <unordered_map>
 #include <utility>
 
 #include "base/percentile.h"
-#include "base/union_find.h"
 #include "mesh/adjacency.h"
+#include "mesh/normals.h"
 #include "mesh/split_fans.h"
 
 namespace colmap_ext {
@@ -96,6 +97,26 @@ class PlaneCut {
   std::unordered_map<uint64_t, uint32_t> cut_edges_;  // inner, outer end
 };
 
+// A region of dropped facets, and the facets along its rim that are kept.
+struct DroppedRegion {
+  Eigen::Vector3d area = Eigen::Vector3d::Zero();  // sum of vectors
+  double size = 0;                                 // sum of their lengths
+  double rim = 0;                                  // length
+  double border = 0;  // length that it has of the mesh's border
+  double facing = 0;  // rim, times the cosines of its facets to the area
+
+  // Whether it continues the surface around it: it is flat, in the plane of
+  // the facets along its rim. Across sky or openings surface turns there.
+  bool Continues() const {
+    // 1 - cosine; one that is enclosed is less likely to be a membrane.
+    constexpr double kMaxTurn = 0.06;
+    constexpr double kMaxEnclosedTurn = 0.16;
+    const double max_turn = border > 0 ? kMaxTurn : kMaxEnclosedTurn;
+    return rim > border && facing >= (1 - max_turn) * rim &&
+           area.norm() >= (1 - max_turn / 2) * size;
+  }
+};
+
 }  // namespace
 
 std::optional<Provenance> ClipMesh(const Region& region, TriangleMesh* mesh) {
@@ -137,6 +158,59 @@ std::optional<Provenance> CutOff(const Region& region, Surface* surface) {
   return from;
 }
 
+UnionFind JoinFacets(const std::vector<uint32_t>& partners,
+                     const std::vector<uint8_t>& marks) {
+  UnionFind pieces(marks.size());
+  for (uint32_t half = 0; half < partners.size(); ++half) {
+    const uint32_t partner = partners[half];
+    if (partner != kNone && partner < half &&
+        marks[half / 3] == marks[partner / 3]) {
+      pieces.Join(half / 3, partner / 3);
+    }
+  }
+  return pieces;
+}
+
+size_t KeepContinuations(const TriangleMesh& mesh,
+                         const std::vector<uint32_t>& partners,
+                         std::vector<uint8_t>* is_dropped) {
+  const auto& [vertices, facets] = mesh;
+  const auto area_of = [&](uint32_t facet) -> Eigen::Vector3d {
+    return AreaVector(mesh, facets[facet]).cast<double>();
+  };
+  UnionFind pieces = JoinFacets(partners, *is_dropped);
+  const std::vector<uint32_t> dropped = Marked(*is_dropped);
+  std::map<uint32_t, DroppedRegion> regions;  // by representatives
+  for (const uint32_t facet : dropped) {
+    DroppedRegion& region = regions[pieces.Find(facet)];
+    region.area += area_of(facet);
+    region.size += area_of(facet).norm();
+  }
+  for (const uint32_t facet : dropped) {
+    DroppedRegion& region = regions[pieces.Find(facet)];
+    for (uint32_t half = 3 * facet; half < 3 * facet + 3; ++half) {
+      const double length = (vertices[ToVertex(facets, half)] -
+                             vertices[FromVertex(facets, half)])
+                                .norm();
+      const uint32_t partner = partners[half];
+      if (partner == kNone) {
+        region.border += length;
+      } else if ((*is_dropped)[partner / 3] == 0) {
+        region.rim += length;
+        region.facing += length * region.area.normalized().dot(
+                                      area_of(partner / 3).normalized());
+      }
+    }
+  }
+  for (const uint32_t facet : dropped) {
+    (*is_dropped)[facet] = !regions[pieces.Find(facet)].Continues();
+  }
+  return regions.size() -
+         std::ranges::count_if(regions, [](const auto& region) {
+           return region.second.Continues();
+         });
+}
+
 size_t DropLongFacets(double factor, double percentile, TriangleMesh* mesh) {
   if (factor <= 0 || mesh->facets.empty()) {
     return 0;
@@ -148,39 +222,41 @@ size_t DropLongFacets(double factor, double percentile, TriangleMesh* mesh) {
   std::vector<float> sides(mesh->facets.size());
   std::ranges::transform(mesh->facets, sides.begin(), longest_side);
   const double limit = factor * Percentile(percentile, &sides);
+  std::vector<uint8_t> is_dropped;
+  for (const Facet& facet : mesh->facets) {
+    is_dropped.push_back(!(longest_side(facet) <= limit));
+  }
+  if (std::ranges::count(is_dropped, 1) == 0) {
+    return 0;
+  }
+  KeepContinuations(*mesh, PairHalfEdges(mesh->facets), &is_dropped);
   return std::erase_if(mesh->facets, [&](const Facet& facet) {
-    return !(longest_side(facet) <= limit);
+    return is_dropped[&facet - mesh->facets.data()] != 0;
   });
 }
 
-DroppedComponents DropSmallComponents(size_t min_facets,
-                                      std::vector<Facet>* facets) {
-  DroppedComponents dropped;
+size_t DropSmallComponents(size_t min_facets, std::vector<Facet>* facets) {
   if (min_facets <= 1) {
-    return dropped;
+    return 0;
   }
-  UnionFind components(facets->size());
-  ForEachEdge(*facets, [&](auto first, auto last) {
-    for (auto half = first; half != last; ++half) {
-      components.Join(first->second / 3, half->second / 3);
-    }
-  });
+  UnionFind components = JoinFacets(PairHalfEdges(*facets),
+                                    std::vector<uint8_t>(facets->size(), 0));
   std::vector<uint32_t> sizes(facets->size(), 0);
   for (uint32_t i = 0; i < facets->size(); ++i) {
     ++sizes[components.Find(i)];
   }
+  size_t num_dropped = 0;
   size_t num_kept = 0;
   for (uint32_t i = 0; i < sizes.size(); ++i) {
     const uint32_t component = components.Find(i);
     if (sizes[component] >= min_facets) {
       (*facets)[num_kept++] = (*facets)[i];
     } else {
-      ++dropped.num_facets;
-      dropped.num_components += component == i;
+      num_dropped += component == i;
     }
   }
   facets->resize(num_kept);
-  return dropped;
+  return num_dropped;
 }
 
 }  // namespace colmap_ext

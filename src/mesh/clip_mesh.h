@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "base/union_find.h"
 #include "mesh/surface.h"
 #include "scene/region.h"
 
@@ -24,20 +26,33 @@ std::optional<Provenance> ClipMesh(const Region& region, TriangleMesh* mesh);
 // The same for a manifold surface, which stays manifold.
 std::optional<Provenance> CutOff(const Region& region, Surface* surface);
 
+// Joins facets of the same mark that share an edge.
+// \param partners [3 F] see PairHalfEdges()
+// \param marks [F]
+UnionFind JoinFacets(const std::vector<uint32_t>& partners,
+                     const std::vector<uint8_t>& marks);
+
+// Keeps the regions of dropped facets that continue the surface around them:
+// they are flat, in the plane of the facets along their rim, which is longer
+// than what they have of the mesh's border (docs/method.md, section 3.8).
+// Across the sky or an opening surface turns there.
+// \param partners [3 F] see PairHalfEdges()
+// \param is_dropped [F] 1 or 0
+// \return the number of the other regions
+size_t KeepContinuations(const TriangleMesh& mesh,
+                         const std::vector<uint32_t>& partners,
+                         std::vector<uint8_t>* is_dropped);
+
 // Drops the facets with a side longer than `factor` times the given percentile
-// (0 ... 100) of the facets' longest sides; none where the factor is 0.
+// (0 ... 100) of the facets' longest sides, unless they continue the surface
+// around them (see KeepContinuations()); none where the factor is 0.
 // \return how many
 // \pre facet indices are in range
 size_t DropLongFacets(double factor, double percentile, TriangleMesh* mesh);
 
-struct DroppedComponents {
-  size_t num_components = 0;
-  size_t num_facets = 0;
-};
-
-// Drops the components, connected through edges, of less than min_facets
-// facets.
-DroppedComponents DropSmallComponents(size_t min_facets,
-                                      std::vector<Facet>* facets);
+// Drops the components, connected by edges of two facets, of less than
+// min_facets facets.
+// \return how many components
+size_t DropSmallComponents(size_t min_facets, std::vector<Facet>* facets);
 
 }  // namespace colmap_ext

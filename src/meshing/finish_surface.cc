@@ -85,7 +85,7 @@ DerivedMesh SplitAndFilter(const ManifoldMeshingOptions& options,
       surface.from = Compose(surface.from, std::move(*clipped));
     }
   }
-  report->small_components = DropSmallComponents(
+  report->num_small_components = DropSmallComponents(
       static_cast<size_t>(options.min_component_faces), &surface.mesh.facets);
   FanSplit split = SplitFans(std::move(surface.mesh));
   split.from = Compose(surface.from, std::move(split.from));

@@ -117,7 +117,7 @@ struct ManifoldMeshingReport {
   size_t num_split_vertices = 0;  // copies made by the fan split
   size_t num_midpoints = 0;       // put into edges that the split leaves shared
   size_t num_long_facets = 0;     // dropped
-  DroppedComponents small_components;
+  size_t num_small_components = 0;  // dropped
   SmoothingReport smoothing;
   SelfIntersectionRepair self_intersections;
   BorderReport borders;

@@ -149,9 +149,6 @@ class Refinement {
     // Multiple of the usual error above which a view does harm, a choice.
     constexpr double kOutlier = 3;
     const Misalignment& misalignment = state_.alignment.misalignment;
-    if (misalignment.IsLarge()) {
-      AverageOverPairs();
-    }
     const std::vector<uint32_t> outliers =
         MisalignedViews(misalignment, kOutlier);
     std::erase_if(pairs_, [&](const ViewPair& pair) {
@@ -160,19 +157,6 @@ class Refinement {
     });
     return misalignment.by_cameras <= misalignment.of_surface &&
            !pairs_.empty();
-  }
-
-  // Has more pairs refine each facet, so that the errors of poses average out.
-  // Tuned on the disturbed scenes of docs/experiments.md.
-  void AverageOverPairs() {
-    constexpr int kPairs = 4;
-    constexpr int kFinalPairs = 24;
-    FacetLabelingOptions& labeling = options_.labeling;
-    labeling.pairs_per_facet = std::max(labeling.pairs_per_facet, kPairs);
-    if (labeling.final_pairs_per_facet > 0) {
-      labeling.final_pairs_per_facet =
-          std::max(labeling.final_pairs_per_facet, kFinalPairs);
-    }
   }
 
   // Gives the mesh facets of the size that the images call for, and labels

@@ -10,6 +10,7 @@
 #include "base/indices.h"
 #include "base/union_find.h"
 #include "mesh/adjacency.h"
+#include "mesh/clip_mesh.h"
 #include "mesh/confidences.h"
 #include "mesh/normals.h"
 #include "mesh/split_fans.h"
@@ -24,25 +25,6 @@ struct LinkedMesh {
   VertexRings rings;
   std::vector<uint32_t> partners;  // [3 F]
 };
-
-size_t CountMarked(const std::vector<uint8_t>& marks) {
-  return static_cast<size_t>(std::ranges::count(marks, 1));
-}
-
-// Joins facets of the same mark that share an edge.
-// \param marks [F]
-UnionFind JoinFacets(const LinkedMesh& surface,
-                     const std::vector<uint8_t>& marks) {
-  UnionFind pieces(surface.mesh.facets.size());
-  for (uint32_t half = 0; half < surface.partners.size(); ++half) {
-    const uint32_t partner = surface.partners[half];
-    if (partner != kNone && partner < half &&
-        marks[half / 3] == marks[partner / 3]) {
-      pieces.Join(half / 3, partner / 3);
-    }
-  }
-  return pieces;
-}
 
 // The distances of vertices to the nearest source along edges: [V], each edge
 // in mean gap widths of its ends, infinity beyond 1.
@@ -113,18 +95,15 @@ std::vector<uint8_t> FindDropped(const LinkedMesh& surface,
   return is_dropped;
 }
 
-// Counts the dropped regions. Of what is left, drops the small pieces and those
-// that were cut off and lie within a gap's width of their border, too. The less
-// confident a piece is, the larger it has to be: facets count with the squares
-// of their confidences, so that fragments of foliage go.
+// Of what is left, drops the small pieces and those that were cut off and lie
+// within a gap's width of their border, too. The less confident a piece is, the
+// larger it has to be: facets count with the squares of their confidences, so
+// that fragments of foliage go.
 void AddLeftovers(const LinkedMesh& surface,
                   const std::vector<float>& confidences,
-                  std::vector<uint8_t>* is_dropped, TrimReport* report) {
+                  std::vector<uint8_t>* is_dropped) {
   const std::vector<Facet>& facets = surface.mesh.facets;
-  UnionFind pieces = JoinFacets(surface, *is_dropped);
-  for (uint32_t i = 0; i < facets.size(); ++i) {
-    report->num_regions += (*is_dropped)[i] != 0 && pieces.Find(i) == i;
-  }
+  UnionFind pieces = JoinFacets(surface.partners, *is_dropped);
   std::vector<uint8_t> is_border = MarkCorners(surface.mesh, *is_dropped);
   for (size_t i = 0; i < is_border.size(); ++i) {
     is_border[i] |= surface.rings.is_border[i];
@@ -157,8 +136,6 @@ void AddLeftovers(const LinkedMesh& surface,
     if ((*is_dropped)[i] == 0 &&
         (sizes[piece] < min_size ||
          (is_cut[piece] != 0 && is_wide[piece] == 0))) {
-      report->num_leftovers += piece == i;
-      ++report->num_leftover_facets;
       (*is_dropped)[i] = 1;
     }
   }
@@ -209,10 +186,15 @@ TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
   }
   std::vector<uint8_t> is_dropped = FindDropped(surface, is_low);
   TrimReport& report = trimmed.report;
-  report.num_facets = CountMarked(is_dropped);
-  report.num_kept_facets = CountMarked(is_low) - report.num_facets;
-  AddLeftovers(surface, facet_confidences, &is_dropped, &report);
-  if (CountMarked(is_dropped) > 0) {
+  report.num_regions =
+      KeepContinuations(surface.mesh, surface.partners, &is_dropped);
+  AddLeftovers(surface, facet_confidences, &is_dropped);
+  for (size_t i = 0; i < is_low.size(); ++i) {
+    report.num_facets += is_dropped[i];
+    report.num_leftover_facets += is_dropped[i] != 0 && is_low[i] == 0;
+    report.num_kept_facets += is_dropped[i] == 0 && is_low[i] != 0;
+  }
+  if (report.num_facets > 0) {
     Drop(surface, is_dropped, &trimmed);
   }
   return trimmed;

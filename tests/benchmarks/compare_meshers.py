@@ -177,8 +177,8 @@ def compare(args, workspace, folder, seconds_unthinned):
                  ("ours, every point", OURS, [("max_proj_dist", 0)])]
     if (workspace / "truth").exists():
         jobs += [("ours, half a pixel, not calibrated", OURS,
-                  [("half_pixel_calibration", 0)]),
-                 ("ours, no half pixel", OURS, [("half_pixel_correction", 0)])]
+                  [("half_pixel_correction", "full")]),
+                 ("ours, no half pixel", OURS, [("half_pixel_correction", "off")])]
     if shutil.which("InterfaceCOLMAP") and shutil.which("ReconstructMesh"):
         jobs.append(("OpenMVS `ReconstructMesh`", None, []))
     rows, scores, baseline = [], [], None

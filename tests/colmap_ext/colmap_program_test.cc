@@ -113,7 +113,7 @@ void ExpectSameThinning(const fs::path& workspace, double max_proj_dist,
                        distance + PathOption("input_path", workspace) + output);
   const double ours = number_after(
       "vertices, after thinning",
-      "delaunay_manifold_mesher @half_pixel_correction 0 @" + distance +
+      "delaunay_manifold_mesher @half_pixel_correction off @" + distance +
           PathOption("workspace_path", workspace) + output);
   const auto num_points = static_cast<double>(
       ReadPlyCloud(workspace / "fused.ply").positions.size());

@@ -123,7 +123,7 @@ TEST_F(MeshEvaluatorTest, DrawsTheErrors) {
   ASSERT_TRUE(size);
   EXPECT_EQ(size->width, 1024);
   Succeed(Run(Basics() + Option("workspace_path", "workspace") +
-              Option("picture_path", "errors.png") + " --picture_image " +
+              Option("picture_path", "errors.png") + " --image_name " +
               sphere_.images[2].view.name));
 }
 

@@ -170,6 +170,23 @@ TEST(DropLongFacets, DropsThoseAboveTheFactorTimesThePercentile) {
   EXPECT_EQ(DropLongFacets(1, 50, &nothing), 0);
 }
 
+TEST(DropLongFacets, KeepsThoseThatContinueTheSurface) {
+  const auto flat = [](float, float) { return 0.0f; };
+  // Between the columns 15 and 16 facets are ten times as long: in a sheet,
+  // and as the lid between two walls.
+  TriangleMesh sheet = Moved(MakeHeightField(30, flat), [](const auto& p) {
+    return Vector3f(p.x() + (p.x() > 15 ? 9 : 0), p.y(), 0);
+  });
+  const TriangleMesh all = sheet;
+  EXPECT_EQ(DropLongFacets(2, 50, &sheet), 0);
+  EXPECT_EQ(sheet, all);
+  TriangleMesh walls = Moved(MakeHeightField(30, flat), [](const auto& p) {
+    return p.x() > 15 ? Vector3f(25, p.y(), 16 - p.x())
+                      : Vector3f(15, p.y(), p.x() - 15);
+  });
+  EXPECT_EQ(DropLongFacets(2, 50, &walls), 60);
+}
+
 TEST(DropSmallComponents, DropsThoseOfFewerFacetsThatEdgesConnect) {
   const TriangleMesh all =
       Union(MakeTetrahedron(),
@@ -185,11 +202,8 @@ TEST(DropSmallComponents, DropsThoseOfFewerFacetsThatEdgesConnect) {
         {71, 4u, 90u}}) {
     SCOPED_TRACE(min_facets);
     TriangleMesh mesh = all;
-    const DroppedComponents dropped =
-        DropSmallComponents(min_facets, &mesh.facets);
-    EXPECT_EQ(dropped.num_components, num_components);
-    EXPECT_EQ(dropped.num_facets, num_facets);
-    EXPECT_EQ(mesh.facets.size() + dropped.num_facets, all.facets.size());
+    EXPECT_EQ(DropSmallComponents(min_facets, &mesh.facets), num_components);
+    EXPECT_EQ(mesh.facets.size() + num_facets, all.facets.size());
   }
   TriangleMesh mesh = all;
   DropSmallComponents(20, &mesh.facets);
@@ -197,7 +211,7 @@ TEST(DropSmallComponents, DropsThoseOfFewerFacetsThatEdgesConnect) {
                                             all.facets.begin() + 74));
   TriangleMesh touching = Union(MakeCube(), MakeTetrahedron());
   MergeVertices(8, 7, &touching);
-  EXPECT_EQ(DropSmallComponents(5, &touching.facets).num_components, 1u);
+  EXPECT_EQ(DropSmallComponents(5, &touching.facets), 1u);
   EXPECT_EQ(touching.facets.size(), 12u);
 }
 

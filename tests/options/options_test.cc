@@ -125,7 +125,7 @@ TEST(RefinerOptionsTest, NamesTheReportsFilesAlike) {
   EXPECT_EQ(options.StepsPath(), "steps.txt");
 }
 
-TEST(MesherOptionsTest, ChecksItsOptionsAndConvertsOldOnes) {
+TEST(MesherOptionsTest, ChecksItsOptions) {
   MesherOptions options;
   ExpectRefused(&options, "--workspace_path or --input_path");
   options.input_path = "in";
@@ -136,19 +136,12 @@ TEST(MesherOptionsTest, ChecksItsOptionsAndConvertsOldOnes) {
   options.workspace.input_type = InputType::kSparse;
   options.workspace.fused_path = "fused.ply";
   ExpectRefused(&options, "--fused_path is for dense input");
-  MesherOptions old;
-  old.workspace_path = "workspace";
-  old.old_alpha_kind = ObservationWeight::kConstant;
-  old.old_half_pixel_calibration = false;
-  old.Finish();
-  EXPECT_EQ(old.meshing.alpha_kind, ObservationWeight::kConstant);
-  EXPECT_EQ(old.meshing.alpha_vis, 1);
-  EXPECT_EQ(old.half_pixel, HalfPixelCorrection::kFull);
-  old.alpha_vis = 0.5;
-  old.half_pixel = HalfPixelCorrection::kOff;
-  old.Finish();
-  EXPECT_EQ(old.meshing.alpha_vis, 0.5);
-  EXPECT_EQ(old.half_pixel, HalfPixelCorrection::kOff);
+  MesherOptions constant;
+  constant.workspace_path = "workspace";
+  constant.alpha_vis = 0.5;
+  constant.Finish();
+  EXPECT_EQ(constant.meshing.alpha_kind, ObservationWeight::kConstant);
+  EXPECT_EQ(constant.meshing.alpha_vis, 0.5);
 }
 
 TEST(EvaluatorOptionsTest, ChecksItsOptions) {

@@ -62,8 +62,8 @@ TrimmedMesh Trim(const TriangleMesh& mesh,
     }
   }
   const TrimReport& report = trimmed.report;
-  EXPECT_EQ(mesh.facets.size() - trimmed.mesh.facets.size(),
-            report.num_facets + report.num_leftover_facets);
+  EXPECT_EQ(mesh.facets.size() - trimmed.mesh.facets.size(), report.num_facets);
+  EXPECT_GE(report.num_facets, report.num_leftover_facets);
   return trimmed;
 }
 
@@ -147,12 +147,46 @@ TEST(TrimMesh, AddsNothingAlongTheBorder) {
   EXPECT_EQ(Analyze(trimmed.mesh).num_border_loops, 1);
 }
 
+// How many of the facets without confidence a trimming of a sheet keeps.
+template <typename Height, typename IsLow>
+size_t NumKept(const Height& height, const IsLow& is_low) {
+  const TriangleMesh sheet = MakeHeightField(40, height);
+  const auto is_sure = [&](const auto& p) { return !is_low(p); };
+  return Trim(sheet, SureWhere(sheet, is_sure), 1).report.num_kept_facets;
+}
+
+TEST(TrimMesh, KeepsWhatContinuesTheSurface) {
+  const auto flat = [](float x, float y) { return 0.1f * x + 0.2f * y; };
+  const auto is_inside = [](const auto& p) {
+    return std::hypot(p.x() - 20, p.y() - 20) < 10;
+  };
+  const size_t num_low = 628;  // 2 facets a quad
+  EXPECT_NEAR(NumKept(flat, is_inside), num_low, 20);
+  // The same facets as the lid of a box, and as a dome.
+  const auto box = [](float x, float y) {
+    return std::hypot(x - 20, y - 20) < 10.5f ? 9.0f : 0.0f;
+  };
+  EXPECT_EQ(NumKept(box, is_inside), 0);
+  const auto dome = [](float x, float y) {
+    return std::sqrt(
+        std::max(0.0f, 144 - std::pow(x - 20, 2.0f) - std::pow(y - 20, 2.0f)));
+  };
+  EXPECT_EQ(NumKept(dome, is_inside), 0);
+  // A bay at the border, and a strip that has more border than rim.
+  const auto is_bay = [](const auto& p) {
+    return p.x() < 20 && std::abs(p.y() - 20) < 6;
+  };
+  EXPECT_EQ(NumKept(flat, is_bay), 480);
+  const auto is_strip = [](const auto& p) { return p.x() < 12; };
+  EXPECT_EQ(NumKept(flat, is_strip), 0);
+}
+
 TEST(TrimMesh, DropsIslandsWithinAMembrane) {
   const TriangleMesh mesh = MakeBumpySphere(0.1f);
   const std::vector<float> confidences = SureWhere(
       mesh, [](const auto& p) { return p.z() < 0 || IsOnTop(p, 0.15f); });
   const TrimmedMesh trimmed = Trim(mesh, confidences, 0.2f);
-  EXPECT_GT(trimmed.report.num_leftovers, 0);
+  EXPECT_GT(trimmed.report.num_leftover_facets, 0);
   for (const Facet& facet : trimmed.mesh.facets) {
     EXPECT_LT(Height(trimmed.mesh, facet), 0.1);
   }

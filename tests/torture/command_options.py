@@ -127,7 +127,7 @@ def _value(run, place, command, name):
         if name in special:
             return special[name](run, place)
         return run.rng.choice(PATHS[name])
-    if name in ("image_name", "picture_image", "camera"):
+    if name == "image_name":
         return run.rng.choice(run.base.images + ["none.png"])
     if name == "observability_box":
         size = max(h - l for l, h in zip(run.base.low, run.base.high))
@@ -145,8 +145,7 @@ LEFT_OUT = {"help", "version", "viewer", "plan", "plan_path", "tile", "resume",
 # Options that need another one.
 TOGETHER = {"observability_mask": "observability_box",
             "observability_box": "observability_mask",
-            "mask_background": "mask_path", "image_name": "picture_path",
-            "picture_image": "picture_path"}
+            "mask_background": "mask_path", "image_name": "picture_path"}
 
 
 def add_options(run, place, command, options, keep=()):
@@ -155,8 +154,7 @@ def add_options(run, place, command, options, keep=()):
     names = [name for name in sorted(run.tools.options[command])
              if name not in LEFT_OUT and name not in keep]
     for name in run.rng.sample(names, min(count, len(names))):
-        if name in ("output_path", "workspace_path", "mesh_path", "screenshot",
-                    "screenshot_path",
+        if name in ("output_path", "workspace_path", "mesh_path", "screenshot_path",
                     "truth_path", "input_path") and run.chance(0.8):
             continue
         options[name] = _value(run, place, command, name)

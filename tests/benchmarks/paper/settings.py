@@ -12,10 +12,10 @@ _MESHING = "DelaunayManifoldMeshing."
 # the surface's quality, the thinning of the cloud, whether long faces or small
 # components are dropped; those stay at our defaults.
 PAPER_MESHING = {
-    _MESHING + "alpha_kind": "constant",
+    _MESHING + "alpha_vis": 1,
     _MESHING + "behind_sigma": 3,
     _MESHING + "fixing_rule": "paper",
-    _MESHING + "half_pixel_correction": 0,
+    _MESHING + "half_pixel_correction": "off",
 }
 
 MESHING = {"paper": PAPER_MESHING, "default": {}}
