@@ -160,12 +160,13 @@ class Smoother {
            std::vector<double> smoothness)
       : umbrellas_(umbrellas),
         data_(std::move(data)),
-        smoothness_(std::move(smoothness)) {}
+        smoothness_(std::move(smoothness)),
+        weighted_(3 * data_.size()) {}
 
   // The motions of the vertices that minimize the sum of both terms.
   // \param positions [V] the measured ones
   Values Minimize(const std::vector<Vector3f>& positions,
-                  const std::vector<Vector3f>& vertices) const {
+                  const std::vector<Vector3f>& vertices) {
     Values values(3 * vertices.size());
     tbb::parallel_for(size_t{0}, vertices.size(), [&](size_t i) {
       At(&values, i) = vertices[i].cast<double>();
@@ -215,8 +216,7 @@ class Smoother {
   }
 
   // out = (data_share * data's matrix + smoothness' matrix) * in
-  void Multiply(const Values& in, double data_share, Values* out) const {
-    Values weighted(in.size(), 0);  // umbrella vectors times their weights
+  void Multiply(const Values& in, double data_share, Values* out) {
     tbb::parallel_for(size_t{0}, data_.size(), [&](size_t i) {
       const auto ring = umbrellas_.neighbors[i];
       Vector3d sum = Vector3d::Zero();
@@ -224,13 +224,13 @@ class Smoother {
         sum += At(in, neighbor) - At(in, i);
       }
       if (!ring.empty()) {
-        At(&weighted, i) = smoothness_[i] * Share(i) * sum;
+        At(&weighted_, i) = smoothness_[i] * Share(i) * sum;
       }
     });
     tbb::parallel_for(size_t{0}, data_.size(), [&](size_t i) {
-      Vector3d sum = data_share * data_[i] * At(in, i) - At(weighted, i);
+      Vector3d sum = data_share * data_[i] * At(in, i) - At(weighted_, i);
       for (const uint32_t user : umbrellas_.users[i]) {
-        sum += Share(user) * At(weighted, user);
+        sum += Share(user) * At(weighted_, user);
       }
       At(out, i) = sum;
     });
@@ -239,6 +239,7 @@ class Smoother {
   const Umbrellas& umbrellas_;
   std::vector<double> data_;
   std::vector<double> smoothness_;
+  Values weighted_;  // Multiply()'s umbrella vectors times their weights
 };
 
 // [V] The relief of a surface, in mean lengths of edges: the root mean square
