@@ -174,7 +174,7 @@ UnionFind JoinFacets(const std::vector<uint32_t>& partners,
 size_t KeepContinuations(const TriangleMesh& mesh,
                          const std::vector<uint32_t>& partners,
                          std::vector<uint8_t>* is_dropped) {
-  const auto& [vertices, facets] = mesh;
+  const std::vector<Facet>& facets = mesh.facets;
   const auto area_of = [&](uint32_t facet) -> Eigen::Vector3d {
     return AreaVector(mesh, facets[facet]).cast<double>();
   };
@@ -189,8 +189,8 @@ size_t KeepContinuations(const TriangleMesh& mesh,
   for (const uint32_t facet : dropped) {
     DroppedRegion& region = regions[pieces.Find(facet)];
     for (uint32_t half = 3 * facet; half < 3 * facet + 3; ++half) {
-      const double length = (vertices[ToVertex(facets, half)] -
-                             vertices[FromVertex(facets, half)])
+      const double length = (mesh.vertices[ToVertex(facets, half)] -
+                             mesh.vertices[FromVertex(facets, half)])
                                 .norm();
       const uint32_t partner = partners[half];
       if (partner == kNone) {
