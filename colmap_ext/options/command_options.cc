@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <span>
 #include <sstream>
 
 #include <fmt/format.h>

@@ -69,8 +69,8 @@ void AddPointOptions(CommandOptions* options, MesherOptions* mesher) {
   options->Add(ours + "max_side_length_factor",
                &meshing->max_side_length_factor, kNotNegative,
                "Remove faces whose longest side is longer than this times the "
-               "max_side_length_percentile of all faces' longest sides; 0: "
-               "keep all");
+               "max_side_length_percentile of all faces' longest sides, "
+               "unless they continue flat surface; 0: keep all");
   options->Add(ours + "remeshing", &meshing->remeshing,
                "Remesh the final surface into well-shaped faces, for meshes "
                "that are not refined");

@@ -61,7 +61,8 @@ class DelaunayManifoldMeshingOptions(BaseOptions):
 
     max_side_length_factor: Annotated[float, Range(0, 1000000)] = 25.0
     """Remove faces whose longest side is longer than this times the
-    max_side_length_percentile of all faces' longest sides; 0: keep all."""
+    max_side_length_percentile of all faces' longest sides, unless they continue flat
+    surface; 0: keep all."""
 
     remeshing: bool = False
     """Remesh the final surface into well-shaped faces, for meshes that are not

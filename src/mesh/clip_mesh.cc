@@ -97,18 +97,19 @@ class PlaneCut {
   std::unordered_map<uint64_t, uint32_t> cut_edges_;  // inner, outer end
 };
 
-// A region of dropped facets, and the facets along its rim that are kept.
+// A region of dropped facets. Its rim are the edges that it shares with kept
+// facets; its other outer edges belong to the mesh's border.
 struct DroppedRegion {
-  Eigen::Vector3d area = Eigen::Vector3d::Zero();  // sum of vectors
+  Eigen::Vector3d area = Eigen::Vector3d::Zero();  // sum of area vectors
   double size = 0;                                 // sum of their lengths
   double rim = 0;                                  // length
-  double border = 0;  // length that it has of the mesh's border
-  double facing = 0;  // rim, times the cosines of its facets to the area
+  double border = 0;                               // length
+  double facing = 0;  // lengths of the rim's edges, times the cosine between
+                      // the kept facet's normal and the area
 
-  // Whether it continues the surface around it: it is flat, in the plane of
-  // the facets along its rim. Across sky or openings surface turns there.
+  // See KeepContinuations().
   bool Continues() const {
-    // 1 - cosine; one that is enclosed is less likely to be a membrane.
+    // Limits of 1 - cosine. An enclosed region is rarely a membrane.
     constexpr double kMaxTurn = 0.06;
     constexpr double kMaxEnclosedTurn = 0.16;
     const double max_turn = border > 0 ? kMaxTurn : kMaxEnclosedTurn;
@@ -202,13 +203,12 @@ size_t KeepContinuations(const TriangleMesh& mesh,
       }
     }
   }
+  std::erase_if(regions,
+                [](const auto& region) { return region.second.Continues(); });
   for (const uint32_t facet : dropped) {
-    (*is_dropped)[facet] = !regions[pieces.Find(facet)].Continues();
+    (*is_dropped)[facet] = regions.contains(pieces.Find(facet)) ? 1 : 0;
   }
-  return regions.size() -
-         std::ranges::count_if(regions, [](const auto& region) {
-           return region.second.Continues();
-         });
+  return regions.size();
 }
 
 size_t DropLongFacets(double factor, double percentile, TriangleMesh* mesh) {

@@ -32,13 +32,13 @@ std::optional<Provenance> CutOff(const Region& region, Surface* surface);
 UnionFind JoinFacets(const std::vector<uint32_t>& partners,
                      const std::vector<uint8_t>& marks);
 
-// Keeps the regions of dropped facets that continue the surface around them:
-// they are flat, in the plane of the facets along their rim, which is longer
-// than what they have of the mesh's border (docs/method.md, section 3.8).
-// Across the sky or an opening surface turns there.
+// Keeps the regions of dropped facets that continue the surface around them: a
+// region is flat, coplanar with the kept facets along its rim, and its rim is
+// longer than its part of the mesh's border (docs/method.md, section 3.8). A
+// membrane across the sky or an opening bends at its rim.
 // \param partners [3 F] see PairHalfEdges()
 // \param is_dropped [F] 1 or 0
-// \return the number of the other regions
+// \return how many regions stay dropped
 size_t KeepContinuations(const TriangleMesh& mesh,
                          const std::vector<uint32_t>& partners,
                          std::vector<uint8_t>* is_dropped);

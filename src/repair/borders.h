@@ -12,10 +12,10 @@ namespace colmap_ext {
 
 // What a trimming did.
 struct TrimReport {
-  size_t num_regions = 0;          // of facets that are not confident
-  size_t num_facets = 0;           // that were dropped
+  size_t num_regions = 0;          // dropped for their low confidence
+  size_t num_facets = 0;           // dropped
   size_t num_leftover_facets = 0;  // of them: confident, in small pieces
-  size_t num_kept_facets = 0;      // not confident, but between others
+  size_t num_kept_facets = 0;      // of low confidence, kept
 };
 
 struct TrimmedMesh : DerivedMesh {  // manifold, its facets in their order
@@ -30,13 +30,13 @@ struct TrimmedMesh : DerivedMesh {  // manifold, its facets in their order
 // within the gap width of what is still left out, or of the mesh's border, are
 // taken away again. So a gap between two confident sides is kept if it is
 // narrower than two gap widths, a membrane is not, and nothing is added along
-// the outer border. What is left out and flat, in the plane of what is along
-// its rim, continues the surface and is kept as well. Pieces that this cuts off
-// and that lie within the gap width of their own border are dropped, too, and
-// so are pieces smaller than a disk of the gap width, but for the largest;
-// facets count with the squares of their confidences. The borders that this
-// opens are smoothed along themselves; no other vertex moves. Where nothing is
-// dropped the mesh is not changed.
+// the outer border. Flat regions that continue the surface around them are
+// kept, see KeepContinuations(). Pieces that this cuts off and that lie within
+// the gap width of their own border are dropped, too, and so are pieces smaller
+// than a disk of the gap width, but for the largest; facets count with the
+// squares of their confidences. The borders that this opens are smoothed along
+// themselves; no other vertex moves. Where nothing is dropped the mesh is not
+// changed.
 //
 // \param min_confidence  0: drops nothing
 // \param facet_confidences [F] in [0, 1]

@@ -178,7 +178,8 @@ def compare(args, workspace, folder, seconds_unthinned):
     if (workspace / "truth").exists():
         jobs += [("ours, half a pixel, not calibrated", OURS,
                   [("half_pixel_correction", "full")]),
-                 ("ours, no half pixel", OURS, [("half_pixel_correction", "off")])]
+                 ("ours, no half pixel", OURS,
+                  [("half_pixel_correction", "off")])]
     if shutil.which("InterfaceCOLMAP") and shutil.which("ReconstructMesh"):
         jobs.append(("OpenMVS `ReconstructMesh`", None, []))
     rows, scores, baseline = [], [], None

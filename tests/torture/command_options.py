@@ -154,8 +154,9 @@ def add_options(run, place, command, options, keep=()):
     names = [name for name in sorted(run.tools.options[command])
              if name not in LEFT_OUT and name not in keep]
     for name in run.rng.sample(names, min(count, len(names))):
-        if name in ("output_path", "workspace_path", "mesh_path", "screenshot_path",
-                    "truth_path", "input_path") and run.chance(0.8):
+        if name in ("output_path", "workspace_path", "mesh_path",
+                    "screenshot_path", "truth_path",
+                    "input_path") and run.chance(0.8):
             continue
         options[name] = _value(run, place, command, name)
     for name in ("region", "mask_path", "transform_path"):
