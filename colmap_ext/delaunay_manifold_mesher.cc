@@ -214,9 +214,6 @@ void Mesh(const MesherOptions& options, Console* console) {
 }  // namespace
 
 int RunDelaunayManifoldMesher(int argc, char** argv) {
-  // Tuned on: fountain, every point kept; by: peak memory, 353 MB with 128 kB,
-  // 357 MB with this, 376 MB by default, in the same time.
-  ReturnBlocksFrom(1 << 22);
   return RunCommand(
       argc, argv, &AddMesherOptions, &Mesh,
       {"a larger --DelaunayManifoldMeshing.max_proj_dist keeps fewer points",

@@ -314,10 +314,6 @@ void Refine(const RefinerOptions& options, Console* console) {
 }  // namespace
 
 int RunFacetwiseRefiner(int argc, char** argv) {
-  // Images and drawings come and go for hours. What is less than a large image,
-  // such as values of all faces of most meshes, comes and goes faster on the
-  // heap.
-  ReturnBlocksFrom(1 << 24);
   return RunCommand(argc, argv, &AddRefinerOptions, &Refine,
                     {"a smaller --image_cache_gb keeps fewer images, and a "
                      "larger --FacetwiseRefinement.max_face_area makes fewer "

@@ -44,7 +44,6 @@ std::vector<fs::path> PlanInputs(const fs::path& folder) {
 }
 
 void Merge(const MergerOptions& options, Console* console) {
-  ReturnBlocksFrom(1 << 22);
   const fs::path& output = options.output_path;
   ExpectOutputs({output, VisibilityPath(output)},
                 PlanInputs(options.plan_path));

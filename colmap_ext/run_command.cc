@@ -1,7 +1,5 @@
 #include "colmap_ext/run_command.h"
 
-#include <malloc.h>
-
 #include <algorithm>
 #include <cctype>
 #include <csignal>
@@ -18,6 +16,7 @@
 #include <fmt/ranges.h>
 #include <tbb/global_control.h>
 
+#include "base/heap.h"
 #include "colmap_ext/colmap_compat.h"
 
 namespace colmap_ext {
@@ -74,6 +73,7 @@ int RunCommand(int argc, char** argv, const CommandOptions& command,
                 << std::endl;
     }
     RestoreTermination();
+    KeepFreedMemory();
     // The only place that limits the number of threads.
     std::optional<tbb::global_control> limit;
     if (command.NumThreads() > 0) {
@@ -107,12 +107,6 @@ int RunCommand(int argc, char** argv, const CommandOptions& command,
   } catch (const std::exception& error) {
     return Fail(error.what());
   }
-}
-
-void ReturnBlocksFrom([[maybe_unused]] int num_bytes) {
-#ifdef M_MMAP_THRESHOLD
-  mallopt(M_MMAP_THRESHOLD, num_bytes);
-#endif
 }
 
 }  // namespace colmap_ext

@@ -233,8 +233,9 @@ uint32_t InsertPoint(uint32_t point, uint32_t cell, PointInserter* inserter,
 
 void InsertPoints(const std::vector<uint32_t>& order, const LeaveOut& leave_out,
                   const Progress& progress, GrowingComplex* complex) {
-  complex->cells.reserve(
-      leave_out ? 0 : kCellsPerPoint * order.size() + kSpareCells);
+  // Thinning by defaults keeps about a third of the points.
+  complex->cells.reserve(kCellsPerPoint * order.size() / (leave_out ? 3 : 1) +
+                         kSpareCells);
   StartComplex(order, complex);
   InsertionProgress inserted(order.size(), progress);
   for (auto begin = order.begin(); begin != order.end();) {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/heap.h"
 #include "meshing/finish_surface.h"
 #include "meshing/singular_vertices.h"
 #include "meshing/wall_layers.h"
@@ -136,6 +137,7 @@ ExtractedSurface CutSurface(const ManifoldMeshingOptions& options,
       AttributesOfPoints(weighted.cloud, thinned.vertex_points);
   thinned = {};
   weighted = {};
+  ReturnFreedMemory();
   std::vector<uint8_t> is_free = CutGraph(tetrahedra, graph, progress, report);
   report->fixing = Fix(options, &tetrahedra, &graph, &is_free, progress);
   FlowCapacities().swap(graph);

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "base/heap.h"
 #include "base/rows.h"
 #include "mesh/normals.h"
 #include "raster/visibility_buffers.h"
@@ -69,6 +70,7 @@ class Refinement {
     Prepare(level, views);
     const std::string stage = "Refining, level " + std::to_string(level);
     Report(hooks_.progress, stage, 0);
+    ReturnFreedMemory();
     const std::vector<Eigen::Vector3f> before = state_.mesh.vertices;
     const auto on_step = [&](const RefinementStep& step,
                              const TriangleMesh& mesh) {

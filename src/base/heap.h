@@ -1,0 +1,27 @@
+#pragma once
+
+#include <malloc.h>
+
+namespace colmap_ext {
+
+// Has glibc keep what is freed for the next allocation: blocks of less than
+// 16 MB, and up to 32 MB at the end of the heap. By default it returns most of
+// it to the system, which clears every page before it hands it out again; and
+// it puts blocks of up to 32 MB between others, where they leave holes. Does
+// nothing with other libraries.
+inline void KeepFreedMemory() {
+#ifdef M_TRIM_THRESHOLD
+  mallopt(M_MMAP_THRESHOLD, 1 << 24);
+  mallopt(M_TRIM_THRESHOLD, 1 << 25);
+#endif
+}
+
+// Returns to the system what is free, holes of the heap included: before a
+// stage that needs most memory.
+inline void ReturnFreedMemory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
+}  // namespace colmap_ext
