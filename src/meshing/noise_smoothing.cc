@@ -132,12 +132,10 @@ Umbrellas MakeUmbrellas(const TriangleMesh& mesh) {
       });
   Umbrellas umbrellas{MakeVertexRings(mesh), {}, {}};
   const VertexRings& rings = umbrellas.rings;
-  umbrellas.neighbors.Reserve(mesh.vertices.size(),
-                              rings.neighbors.values.size());
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    umbrellas.neighbors.AddRow(at_border[i].empty() ? rings.neighbors[i]
-                                                    : at_border[i]);
-  }
+  umbrellas.neighbors = MakeRows<uint32_t>(
+      mesh.vertices.size(), [&](size_t i, std::vector<uint32_t>* row) {
+        Append(at_border[i].empty() ? rings.neighbors[i] : at_border[i], row);
+      });
   umbrellas.users =
       GroupInRows<uint32_t>(mesh.vertices.size(), [&](const auto& add) {
         for (uint32_t i = 0; i < umbrellas.neighbors.size(); ++i) {
@@ -149,50 +147,76 @@ Umbrellas MakeUmbrellas(const TriangleMesh& mesh) {
   return umbrellas;
 }
 
-// The normal equations of the displacements. Vectors have 3 V elements.
+// The normal equations of the displacements, for round after round. Vectors
+// have 3 V elements.
 class Smoother {
  public:
-  using Values = std::vector<double>;
+  using Values = SolverVectors::Vector;
 
-  // \param data [V] weights of the positions
-  // \param smoothness [V] of the umbrella vectors
-  Smoother(const Umbrellas& umbrellas, std::vector<double> data,
-           std::vector<double> smoothness)
+  explicit Smoother(const Umbrellas& umbrellas)
       : umbrellas_(umbrellas),
-        data_(std::move(data)),
-        smoothness_(std::move(smoothness)),
+        data_(umbrellas.neighbors.size()),
+        smoothness_(data_.size()),
+        diagonal_(data_.size()),
         weighted_(3 * data_.size()) {}
+
+  // \param noises [V] of the positions, scene units
+  // \param reliefs [V] deviations of the umbrella vectors, in lengths of edges
+  // \param lengths [V] mean lengths of edges
+  void SetWeights(const std::vector<float>& noises,
+                  const std::vector<double>& reliefs,
+                  const std::vector<double>& lengths) {
+    tbb::parallel_for(size_t{0}, data_.size(), [&](size_t i) {
+      data_[i] = 1;
+      smoothness_[i] = 0;
+      if (lengths[i] > 0) {
+        const double noise = std::clamp<double>(
+            noises[i], kMinNoise * lengths[i], kMaxNoise * lengths[i]);
+        data_[i] = 1 / (noise * noise);
+        const double deviation = reliefs[i] * lengths[i];
+        smoothness_[i] = 1 / (deviation * deviation);
+      }
+    });
+    tbb::parallel_for(size_t{0}, data_.size(), [&](size_t i) {
+      diagonal_[i] = data_[i] + smoothness_[i];
+      for (const uint32_t user : umbrellas_.users[i]) {
+        diagonal_[i] += smoothness_[user] * Share(user) * Share(user);
+      }
+    });
+  }
 
   // The motions of the vertices that minimize the sum of both terms.
   // \param positions [V] the measured ones
-  Values Minimize(const std::vector<Vector3f>& positions,
-                  const std::vector<Vector3f>& vertices) {
-    Values values(3 * vertices.size());
+  const Values& Minimize(const std::vector<Vector3f>& positions,
+                         const std::vector<Vector3f>& vertices) {
+    Values& descent = vectors_.residual;
+    Values& values = vectors_.direction;  // until the solver starts
+    descent.resize(weighted_.size());
+    values.resize(weighted_.size());
     tbb::parallel_for(size_t{0}, vertices.size(), [&](size_t i) {
       At(&values, i) = vertices[i].cast<double>();
     });
-    Values descent(values.size());
     Multiply(values, 0, &descent);
     tbb::parallel_for(size_t{0}, vertices.size(), [&](size_t i) {
       At(&descent, i) = data_[i] * (positions[i] - vertices[i]).cast<double>() -
                         At(descent, i);
     });
-    const Values diagonal = Diagonal();
-    return SolveByConjugateGradients(
-               kSolver, std::move(descent),
-               [&](const Values& in, Values* out) { Multiply(in, 1, out); },
-               [&](const Values& in, Values* out) {
-                 tbb::parallel_for(size_t{0}, in.size(), [&](size_t i) {
-                   (*out)[i] = in[i] / diagonal[i];
-                 });
-               })
-        .values;
+    SolveByConjugateGradients(
+        kSolver, [&](const Values& in, Values* out) { Multiply(in, 1, out); },
+        [&](const Values& in, Values* out) {
+          tbb::parallel_for(size_t{0}, diagonal_.size(), [&](size_t i) {
+            At(out, i) = At(in, i) / diagonal_[i];
+          });
+        },
+        &vectors_);
+    return vectors_.values;
   }
 
- private:
   static Eigen::Map<const Vector3d> At(const Values& values, size_t vertex) {
     return Eigen::Map<const Vector3d>(&values[3 * vertex]);
   }
+
+ private:
   static Eigen::Map<Vector3d> At(Values* values, size_t vertex) {
     return Eigen::Map<Vector3d>(&(*values)[3 * vertex]);
   }
@@ -200,19 +224,6 @@ class Smoother {
   // Of each neighbor in the mean.
   double Share(size_t vertex) const {
     return 1 / static_cast<double>(umbrellas_.neighbors[vertex].size());
-  }
-
-  Values Diagonal() const {
-    Values diagonal(3 * data_.size());
-    tbb::parallel_for(size_t{0}, data_.size(), [&](size_t i) {
-      double sum = data_[i] + smoothness_[i];
-      for (const uint32_t user : umbrellas_.users[i]) {
-        sum += smoothness_[user] * Share(user) * Share(user);
-      }
-      std::fill_n(diagonal.begin() + static_cast<std::ptrdiff_t>(3 * i), 3,
-                  sum);
-    });
-    return diagonal;
   }
 
   // out = (data_share * data's matrix + smoothness' matrix) * in
@@ -239,7 +250,9 @@ class Smoother {
   const Umbrellas& umbrellas_;
   std::vector<double> data_;
   std::vector<double> smoothness_;
+  std::vector<double> diagonal_;  // the same for all three coordinates
   Values weighted_;  // Multiply()'s umbrella vectors times their weights
+  SolverVectors vectors_;
 };
 
 // [V] The relief of a surface, in mean lengths of edges: the root mean square
@@ -298,46 +311,6 @@ std::vector<float> MotionLimits(const std::vector<Vector3f>& places,
   return limits;
 }
 
-// Where the vertices go, for the lengths of edges that the mesh has.
-// \param limits [V] of their motions
-// \param positions [V] the measured ones
-// \param reliefs [V] deviations of the umbrella vectors, in lengths of edges
-// \param lengths  MeanLengths() of the mesh
-std::vector<Vector3f> Smoothed(const Umbrellas& umbrellas,
-                               const std::vector<float>& limits,
-                               const std::vector<Vector3f>& positions,
-                               const std::vector<float>& noises,
-                               const std::vector<double>& reliefs,
-                               const std::vector<double>& lengths,
-                               const TriangleMesh& mesh) {
-  const size_t size = positions.size();
-  std::vector<double> data(size, 1);
-  std::vector<double> smoothness(size, 0);
-  tbb::parallel_for(size_t{0}, size, [&](size_t i) {
-    if (lengths[i] > 0) {
-      const double noise = std::clamp<double>(noises[i], kMinNoise * lengths[i],
-                                              kMaxNoise * lengths[i]);
-      data[i] = 1 / (noise * noise);
-      const double deviation = reliefs[i] * lengths[i];
-      smoothness[i] = 1 / (deviation * deviation);
-    }
-  });
-  const std::vector<double> motions =
-      Smoother(umbrellas, std::move(data), std::move(smoothness))
-          .Minimize(positions, mesh.vertices);
-  std::vector<Vector3f> smoothed(positions);
-  tbb::parallel_for(size_t{0}, size, [&](size_t i) {
-    const Vector3d motion = (mesh.vertices[i] - positions[i]).cast<double>() +
-                            Eigen::Map<const Vector3d>(&motions[3 * i]);
-    const double limit = std::min<double>(limits[i], lengths[i]);
-    const double share = std::min(1.0, limit / motion.norm());
-    if (share > 0) {
-      smoothed[i] += (share * motion).cast<float>();
-    }
-  });
-  return smoothed;
-}
-
 }  // namespace
 
 std::vector<float> LocalNoise(std::span<const Vector3f> points,
@@ -358,6 +331,7 @@ SmoothingReport SmoothByNoise(const std::vector<Vector3f>& centers,
   const std::vector<float> limits = MotionLimits(centers, *mesh);
   const std::vector<Vector3f> positions = mesh->vertices;
   std::vector<double> reliefs(positions.size(), kMaxRelief / strength);
+  Smoother smoother(umbrellas);
   for (int round = 0; round < kSmoothingRounds; ++round) {
     const std::vector<double> lengths =
         MeanLengths(umbrellas.neighbors, mesh->vertices);
@@ -368,8 +342,20 @@ SmoothingReport SmoothByNoise(const std::vector<Vector3f>& centers,
             std::clamp(relief / strength, kMinRelief, kMaxRelief / strength);
       }
     }
-    mesh->vertices =
-        Smoothed(umbrellas, limits, positions, noises, reliefs, lengths, *mesh);
+    smoother.SetWeights(noises, reliefs, lengths);
+    const std::vector<double>& motions =
+        smoother.Minimize(positions, mesh->vertices);
+    tbb::parallel_for(size_t{0}, positions.size(), [&](size_t i) {
+      Vector3f& vertex = mesh->vertices[i];
+      const Vector3d motion =
+          (vertex - positions[i]).cast<double>() + Smoother::At(motions, i);
+      const double limit = std::min<double>(limits[i], lengths[i]);
+      const double share = std::min(1.0, limit / motion.norm());
+      vertex = positions[i];
+      if (share > 0) {
+        vertex += (share * motion).cast<float>();
+      }
+    });
   }
   SmoothingReport report;
   for (int round = 0; round < kPutBackRounds; ++round) {

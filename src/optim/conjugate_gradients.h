@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <functional>
 #include <numeric>
-#include <utility>
 #include <vector>
 
 #include <tbb/blocked_range.h>
@@ -20,25 +19,33 @@ struct SolverOptions {
   int max_iterations = 1000;
 };
 
-struct LinearSolution {
-  std::vector<double> values;
-  bool is_converged = false;  // else max_iterations ended it, or rounding
+// What a solution takes, kept for others: of many millions of elements each,
+// which take time to get and to clear.
+struct SolverVectors {
+  using Vector = std::vector<double>;
+
+  Vector residual;  // before: the right-hand side
+  Vector values;    // after: the solution
+  Vector direction;
+  Vector preconditioned;
+  Vector image;  // of the direction
 };
 
-// Solves matrix * values = right_hand_side by preconditioned conjugate
+// Solves matrix * values = right-hand side by preconditioned conjugate
 // gradients [Hestenes1952], from 0. Sums have one order, so that the result
 // does not depend on threads if that of the callables does not.
 // \param multiply  multiply(in, &out) sets out = matrix * in.
 // \param precondition  precondition(residual, &out) sets out = the
 //        preconditioner's inverse * residual.
+// \return whether it has converged; else max_iterations ended it, or rounding
 // \pre the matrix is symmetric and positive semidefinite, the preconditioner's
 //      inverse too; `out` has the size of the right-hand side
 template <typename Multiply, typename Precondition>
-LinearSolution SolveByConjugateGradients(const SolverOptions& options,
-                                         std::vector<double> right_hand_side,
-                                         const Multiply& multiply,
-                                         const Precondition& precondition) {
-  using Vector = std::vector<double>;
+bool SolveByConjugateGradients(const SolverOptions& options,
+                               const Multiply& multiply,
+                               const Precondition& precondition,
+                               SolverVectors* vectors) {
+  using Vector = SolverVectors::Vector;
   const auto dot = [](const Vector& a, const Vector& b) {
     return tbb::parallel_deterministic_reduce(
         tbb::blocked_range<size_t>(0, a.size(), 8192), 0.0,
@@ -48,13 +55,20 @@ LinearSolution SolveByConjugateGradients(const SolverOptions& options,
         },
         std::plus<>());
   };
-  const size_t size = right_hand_side.size();
-  LinearSolution solution{Vector(size, 0)};
-  Vector residual = std::move(right_hand_side);
-  Vector preconditioned(size);
-  Vector image(size);
+  Vector& residual = vectors->residual;
+  Vector& values = vectors->values;
+  Vector& direction = vectors->direction;
+  Vector& preconditioned = vectors->preconditioned;
+  Vector& image = vectors->image;
+  const size_t size = residual.size();
+  for (Vector* vector : {&values, &direction, &preconditioned, &image}) {
+    vector->resize(size);
+  }
   precondition(residual, &preconditioned);
-  Vector direction = preconditioned;
+  tbb::parallel_for(size_t{0}, size, [&](size_t i) {
+    values[i] = 0;
+    direction[i] = preconditioned[i];
+  });
   double product = dot(residual, preconditioned);
   const double enough = options.tolerance * options.tolerance * product;
   for (int iteration = 0;
@@ -66,7 +80,7 @@ LinearSolution SolveByConjugateGradients(const SolverOptions& options,
     }
     const double step = product / curvature;
     tbb::parallel_for(size_t{0}, size, [&](size_t i) {
-      solution.values[i] += step * direction[i];
+      values[i] += step * direction[i];
       residual[i] -= step * image[i];
     });
     precondition(residual, &preconditioned);
@@ -77,8 +91,7 @@ LinearSolution SolveByConjugateGradients(const SolverOptions& options,
       direction[i] = preconditioned[i] + ratio * direction[i];
     });
   }
-  solution.is_converged = !(product > enough);
-  return solution;
+  return !(product > enough);
 }
 
 }  // namespace colmap_ext

@@ -33,7 +33,10 @@ double RandomSign(uint64_t index) {
 NormalEquations::NormalEquations(const EvaluatedSurface& surface,
                                  const SmoothnessDomain& domain,
                                  const ThinPlate& plate)
-    : surface_(surface), domain_(domain), plate_(plate) {
+    : surface_(surface),
+      domain_(domain),
+      plate_(plate),
+      weighted_changes_(surface.mesh.vertices.size()) {
   AddPhotometric();
   FindSmoothnessChanges();
   AddSmoothness();
@@ -128,7 +131,6 @@ void NormalEquations::AddSmoothness() {
 void NormalEquations::Multiply(const std::vector<double>& in,
                                bool is_smoothness_only,
                                std::vector<double>* out) const {
-  std::vector<double> weighted_changes(in.size());
   const double share = is_smoothness_only ? 0 : 1;
   const tbb::blocked_range<size_t> all(0, in.size(), 4096);
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
@@ -142,16 +144,16 @@ void NormalEquations::Multiply(const std::vector<double>& in,
         mean += outgoing_[row + k] * in[ring[k]];
       }
       (*out)[i] = share * photometric;
-      weighted_changes[i] = plate_.coefficients[i] * (mean - in[i]);
+      weighted_changes_[i] = plate_.coefficients[i] * (mean - in[i]);
     }
   });
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
     for (size_t i = range.begin(); i != range.end(); ++i) {
       const auto ring = domain_.rings.neighbors[i];
       const size_t row = domain_.rings.neighbors.offsets[i];
-      double sum = -weighted_changes[i];
+      double sum = -weighted_changes_[i];
       for (size_t k = 0; k < ring.size(); ++k) {
-        sum += incoming_[row + k] * weighted_changes[ring[k]];
+        sum += incoming_[row + k] * weighted_changes_[ring[k]];
       }
       (*out)[i] += sum;
     }
@@ -185,14 +187,17 @@ LinearSolution NormalEquations::Determined(const SolverOptions& options) const {
 LinearSolution NormalEquations::Solve(std::vector<double> right_hand_side,
                                       const SolverOptions& options) const {
   using Vector = std::vector<double>;
-  return SolveByConjugateGradients(
-      options, std::move(right_hand_side),
-      [&](const Vector& in, Vector* out) { Multiply(in, false, out); },
+  SolverVectors vectors;
+  vectors.residual = std::move(right_hand_side);
+  const bool is_converged = SolveByConjugateGradients(
+      options, [&](const Vector& in, Vector* out) { Multiply(in, false, out); },
       [&](const Vector& residual, Vector* out) {
         tbb::parallel_for(size_t{0}, residual.size(), [&](size_t i) {
           (*out)[i] = diagonal_[i] > 0 ? residual[i] / diagonal_[i] : 0.0;
         });
-      });
+      },
+      &vectors);
+  return {std::move(vectors.values), is_converged};
 }
 
 namespace {

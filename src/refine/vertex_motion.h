@@ -19,6 +19,11 @@ namespace colmap_ext {
 inline constexpr double kSolverTolerance = 0.03;
 inline constexpr SolverOptions kEarlyEnd{kSolverTolerance, 100};
 
+struct LinearSolution {
+  std::vector<double> values;  // [V]
+  bool is_converged = false;
+};
+
 // Gauss-Newton's quadratic model of the photometric energy and the smoothness,
 // in how far each vertex moves along its normal (docs/method.md, section 6.3).
 class NormalEquations {
@@ -78,6 +83,8 @@ class NormalEquations {
   std::vector<float> photometric_;
   std::vector<float> outgoing_;
   std::vector<float> incoming_;
+
+  mutable std::vector<double> weighted_changes_;  // [V] Multiply()'s
 };
 
 // Limits each vertex's motion along its normal to 0.4 times the mean length of

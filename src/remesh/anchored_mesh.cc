@@ -105,11 +105,16 @@ AnchoredMesh::AnchoredMesh(const TriangleMesh& mesh, std::vector<float> lengths,
       edit(mesh),
       anchors(mesh.vertices.size()),
       fixed(std::move(fixed_vertices)) {
-  for (uint32_t facet = 0; facet < mesh.facets.size(); ++facet) {
-    for (int k = 0; k < 3; ++k) {
-      anchors[mesh.facets[facet][k]] = reference.At({facet, Vector3f::Unit(k)});
-    }
+  std::vector<uint32_t> corners(mesh.vertices.size(), kNone);
+  for (uint32_t corner = 0; corner < 3 * mesh.facets.size(); ++corner) {
+    corners[FromVertex(mesh.facets, corner)] = corner;
   }
+  tbb::parallel_for(size_t{0}, corners.size(), [&](size_t i) {
+    if (corners[i] != kNone) {
+      anchors[i] =
+          reference.At({corners[i] / 3, Vector3f::Unit(corners[i] % 3)});
+    }
+  });
 }
 
 float LargestCosine(const AnchoredFacet& facet) {

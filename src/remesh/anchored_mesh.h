@@ -10,8 +10,10 @@
 #include <vector>
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 #include <Eigen/Geometry>
 
+#include "base/rows.h"
 #include "mesh/editable_mesh.h"
 #include "spatial/bvh.h"
 
@@ -126,15 +128,18 @@ struct AnchoredMesh {
   // \param key  uint32_t -> std::optional<float>
   template <typename Key>
   std::vector<uint32_t> EdgesBy(const Key& key) const {
-    std::vector<std::pair<float, uint32_t>> edges;
-    for (uint32_t half = 0; half < edit.NumHalfEdges(); ++half) {
-      if (edit.IsFirstOfEdge(half)) {
-        if (const std::optional<float> value = key(half)) {
-          edges.emplace_back(*value, half);
-        }
+    using Edge = std::pair<float, uint32_t>;
+    const auto append = [&](size_t i, std::vector<Edge>* edges) {
+      const auto half = static_cast<uint32_t>(i);
+      const std::optional<float> value =
+          edit.IsFirstOfEdge(half) ? key(half) : std::nullopt;
+      if (value) {
+        edges->emplace_back(*value, half);
       }
-    }
-    std::ranges::sort(edges);
+    };
+    std::vector<Edge> edges =
+        MakeRows<Edge>(edit.NumHalfEdges(), append).values;
+    tbb::parallel_sort(edges.begin(), edges.end());
     std::vector<uint32_t> halves;
     halves.reserve(edges.size());
     for (const auto& edge : edges) {

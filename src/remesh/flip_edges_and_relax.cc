@@ -169,12 +169,13 @@ void FlipForValence(AnchoredMesh* mesh) {
   const EditableMesh& edit = mesh->edit;
   // How many edges more than wanted each vertex has.
   std::vector<int> excess(edit.NumVertices(), 0);
-  for (uint32_t vertex = 0; vertex < excess.size(); ++vertex) {
+  tbb::parallel_for(size_t{0}, excess.size(), [&](size_t i) {
+    const auto vertex = static_cast<uint32_t>(i);
     if (!edit.IsRemovedVertex(vertex)) {
       excess[vertex] =
           edit.Valence(vertex) - (edit.IsBorderVertex(vertex) ? 4 : 6);
     }
-  }
+  });
   // Facets whose angles get smaller than 20 degrees are not worth it.
   constexpr float kMaxCosine = 0.94F;
   constexpr std::array<int, 4> kChange = {-1, -1, 1, 1};

@@ -17,6 +17,11 @@ double Dot(const Vector& a, const Vector& b) {
   return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
 }
 
+struct Solution {
+  Vector values;
+  bool is_converged;
+};
+
 // The matrix has the diagonal d_i + 2 and -1 beside it.
 struct ConjugateGradientsTest : testing::Test {
   ConjugateGradientsTest() {
@@ -36,11 +41,15 @@ struct ConjugateGradientsTest : testing::Test {
     return out;
   }
 
-  LinearSolution Solve(const SolverOptions& options) const {
-    return SolveByConjugateGradients(
-        options, right_hand_side_,
-        [&](const Vector& in, Vector* out) { *out = Product(in); },
-        [&](const Vector& in, Vector* out) { *out = Precondition(in); });
+  // \param vectors  of any other solution before
+  Solution Solve(const SolverOptions& options,
+                 SolverVectors vectors = {}) const {
+    vectors.residual = right_hand_side_;
+    const bool is_converged = SolveByConjugateGradients(
+        options, [&](const Vector& in, Vector* out) { *out = Product(in); },
+        [&](const Vector& in, Vector* out) { *out = Precondition(in); },
+        &vectors);
+    return {vectors.values, is_converged};
   }
 
   Vector Precondition(const Vector& residual) const {
@@ -67,7 +76,7 @@ struct ConjugateGradientsTest : testing::Test {
 
 TEST_F(ConjugateGradientsTest, StopsAtTheToleranceOrAfterTheIterations) {
   for (const double tolerance : {0.3, 0.03, 1e-3, 1e-9}) {
-    const LinearSolution solution = Solve({tolerance, 10000});
+    const Solution solution = Solve({tolerance, 10000});
     EXPECT_TRUE(solution.is_converged);
     const double residual = RelativeResidual(solution.values);
     EXPECT_LT(residual, 1.01 * tolerance);
@@ -91,7 +100,7 @@ TEST_F(ConjugateGradientsTest, EveryIterationLowersTheModel) {
 
 TEST_F(ConjugateGradientsTest, NothingToSolveIsSolved) {
   right_hand_side_.assign(kSize, 0);
-  const LinearSolution solution = Solve({});
+  const Solution solution = Solve({});
   EXPECT_TRUE(solution.is_converged);
   EXPECT_EQ(solution.values, right_hand_side_);
 }
@@ -99,14 +108,21 @@ TEST_F(ConjugateGradientsTest, NothingToSolveIsSolved) {
 // Directions without curvature end the iterations.
 TEST_F(ConjugateGradientsTest, DoesNotConvergeWhereTheMatrixIsSingular) {
   const auto identity = [](const Vector& in, Vector* out) { *out = in; };
-  const LinearSolution solution = SolveByConjugateGradients(
-      {}, {1, 1},
+  SolverVectors vectors;
+  vectors.residual = {1, 1};
+  EXPECT_FALSE(SolveByConjugateGradients(
+      {},
       [](const Vector& in, Vector* out) {
         *out = {in[0] - in[1], in[1] - in[0]};
       },
-      identity);
-  EXPECT_FALSE(solution.is_converged);
-  EXPECT_EQ(solution.values, Vector(2, 0));
+      identity, &vectors));
+  EXPECT_EQ(vectors.values, Vector(2, 0));
+}
+
+TEST_F(ConjugateGradientsTest, DoesNotDependOnTheVectorsBefore) {
+  const Vector used(2 * kSize, 7);
+  EXPECT_EQ(Solve({1e-9}, {used, used, used, used, used}).values,
+            Solve({1e-9}).values);
 }
 
 TEST_F(ConjugateGradientsTest, DoesNotDependOnThreads) {
