@@ -29,7 +29,6 @@ void AddPathOptions(CommandOptions* options, MesherOptions* mesher) {
   options->Add("plan_path", &mesher->plan_path,
                "Plan folder of mesh_planner. With tile: mesh this tile of it, "
                "with the options of the plan");
-  options->AddAlias("plan", "plan_path");
   options->Add("tile", &mesher->tile, kCountOrMinusOne,
                "Index of the tile to mesh; -1: none");
   options->SetGroup(OptionGroup::kBasic);
@@ -119,7 +118,6 @@ void AddAblationOptions(CommandOptions* options, MesherOptions* mesher) {
       "How singular vertices are removed: fewest remaining at the lowest cut "
       "energy, or the paper's three passes");
   options->SetGroup(OptionGroup::kBasic);
-  options->AddAlias(ours + "trim", ours + "min_confidence");
 }
 
 void AddColmapAliases(CommandOptions* options, MesherOptions* mesher) {
@@ -248,7 +246,6 @@ void AddMergerOptions(CommandOptions* options, MergerOptions* merger) {
   options->Add(
       "plan_path", &merger->plan_path,
       "Plan folder of mesh_planner, all of whose tiles are done; required");
-  options->AddAlias("plan", "plan_path");
   options->Add("output_path", &merger->output_path,
                "Mesh to write, PLY, with its .vis; required");
   options->Add("refined", &merger->is_refined,

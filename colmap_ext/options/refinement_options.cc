@@ -74,7 +74,6 @@ void AddPathOptions(CommandOptions* options, RefinerOptions* refiner) {
   options->Add("plan_path", &refiner->plan_path,
                "Plan folder. With input_path, the mesh of mesh_merger: plan "
                "the refinement. With tile: refine this tile");
-  options->AddAlias("plan", "plan_path");
   options->Add("tile", &refiner->tile, kCountOrMinusOne,
                "Index of the tile to refine; -1: none");
   AddImageOrderOption(&refiner->image_order, options);
@@ -129,7 +128,6 @@ void AddBasicOptions(CommandOptions* options, RefinerOptions* refiner) {
                {0, 1, kAutoTrim, "auto"},
                "Remove faces with a lower confidence; 0: keep all. auto: 0.2, "
                "or 0 without fused points or if no face has as much");
-  options->AddAlias(ours + "trim", ours + "min_confidence");
   options->Add(ours + "close_holes", &refinement->borders.close_holes,
                {0, kNoLimit, kAllLoops},
                "[px] Close holes up to this wide in the median of their "
@@ -157,8 +155,6 @@ void AddAdvancedOptions(CommandOptions* options, RefinerOptions* refiner) {
                "[pairs] Image pairs per face in the last two iterations, which "
                "determine the remaining noise; the two before use a third as "
                "many. 0: omit these four, as in the paper");
-  options->AddAlias(ours + "final_pairs_per_facet",
-                    ours + "final_pairs_per_face");
   options->Add(
       ours + "remeshing", &refinement->remeshing,
       "Remesh before the last level into well-shaped faces, small where the "
@@ -192,7 +188,6 @@ void AddAblationOptions(CommandOptions* options, RefinerOptions* refiner) {
                    "that sees it");
   options->Add(ours + "pairs_per_face", &labeling->pairs_per_facet, {1},
                "[pairs] Image pairs per face");
-  options->AddAlias(ours + "pairs_per_facet", ours + "pairs_per_face");
   options->Add(ours + "potts_weight", &labeling->potts_weight, kNotNegative,
                "Cost of different image pairs on neighboring faces; higher "
                "makes larger patches");
@@ -218,8 +213,6 @@ void AddRunOptions(CommandOptions* options, RefinerOptions* refiner) {
                "[GB] Memory for cached images and depth buffers; those that do "
                "not fit are read and drawn again. The mesh, its visibility and "
                "labels come on top");
-  options->AddAlias("max_memory_gb", "image_cache_gb");
-  options->AddAlias(ours + "max_memory_gb", "image_cache_gb");
   options->SetGroup(OptionGroup::kAdvanced);
   options->Add(ours + "snapshot_interval", &refiner->snapshot_interval, {0},
                "[iterations] Write OUTPUT.LEVEL.ITERATION.ply each time after "

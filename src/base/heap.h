@@ -5,10 +5,8 @@
 namespace colmap_ext {
 
 // Has glibc keep what is freed for the next allocation: blocks of less than
-// 16 MB, and up to 32 MB at the end of the heap. By default it returns most of
-// it to the system, which clears every page before it hands it out again; and
-// it puts blocks of up to 32 MB between others, where they leave holes. Does
-// nothing with other libraries.
+// 16 MB, and up to 32 MB at the end of the heap. The system clears every page
+// that is returned to it. Larger blocks would leave holes between others.
 inline void KeepFreedMemory() {
 #ifdef M_TRIM_THRESHOLD
   mallopt(M_MMAP_THRESHOLD, 1 << 24);

@@ -172,9 +172,9 @@ UnionFind JoinFacets(const std::vector<uint32_t>& partners,
   return pieces;
 }
 
-size_t KeepContinuations(const TriangleMesh& mesh,
-                         const std::vector<uint32_t>& partners,
-                         std::vector<uint8_t>* is_dropped) {
+void KeepContinuations(const TriangleMesh& mesh,
+                       const std::vector<uint32_t>& partners,
+                       std::vector<uint8_t>* is_dropped) {
   const std::vector<Facet>& facets = mesh.facets;
   const auto area_of = [&](uint32_t facet) -> Eigen::Vector3d {
     return AreaVector(mesh, facets[facet]).cast<double>();
@@ -208,7 +208,6 @@ size_t KeepContinuations(const TriangleMesh& mesh,
   for (const uint32_t facet : dropped) {
     (*is_dropped)[facet] = regions.contains(pieces.Find(facet)) ? 1 : 0;
   }
-  return regions.size();
 }
 
 size_t DropLongFacets(double factor, double percentile, TriangleMesh* mesh) {

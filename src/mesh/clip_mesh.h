@@ -38,10 +38,9 @@ UnionFind JoinFacets(const std::vector<uint32_t>& partners,
 // membrane across the sky or an opening bends at its rim.
 // \param partners [3 F] see PairHalfEdges()
 // \param is_dropped [F] 1 or 0
-// \return how many regions stay dropped
-size_t KeepContinuations(const TriangleMesh& mesh,
-                         const std::vector<uint32_t>& partners,
-                         std::vector<uint8_t>* is_dropped);
+void KeepContinuations(const TriangleMesh& mesh,
+                       const std::vector<uint32_t>& partners,
+                       std::vector<uint8_t>* is_dropped);
 
 // Drops the facets with a side longer than `factor` times the given percentile
 // (0 ... 100) of the facets' longest sides, unless they continue the surface

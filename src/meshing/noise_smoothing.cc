@@ -118,23 +118,21 @@ struct Umbrellas {
 };
 
 Umbrellas MakeUmbrellas(const TriangleMesh& mesh) {
-  const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
-  Rows<uint32_t> at_border =
-      GroupInRows<uint32_t>(mesh.vertices.size(), [&](const auto& add) {
-        for (uint32_t half = 0; half < partners.size(); ++half) {
-          if (partners[half] == kNone) {
-            const uint32_t from = FromVertex(mesh.facets, half);
-            const uint32_t to = ToVertex(mesh.facets, half);
-            add(from, to);
-            add(to, from);
-          }
-        }
-      });
   Umbrellas umbrellas{MakeVertexRings(mesh), {}, {}};
   const VertexRings& rings = umbrellas.rings;
+  // One facet has both ends of a border's edge as corners.
+  const auto is_border_edge = [&](size_t from, uint32_t to) {
+    return std::ranges::count_if(rings.corners[from], [&](uint32_t corner) {
+             return std::ranges::count(mesh.facets[corner / 3], to) > 0;
+           }) == 1;
+  };
   umbrellas.neighbors = MakeRows<uint32_t>(
       mesh.vertices.size(), [&](size_t i, std::vector<uint32_t>* row) {
-        Append(at_border[i].empty() ? rings.neighbors[i] : at_border[i], row);
+        for (const uint32_t neighbor : rings.neighbors[i]) {
+          if (rings.is_border[i] == 0 || is_border_edge(i, neighbor)) {
+            row->push_back(neighbor);
+          }
+        }
       });
   umbrellas.users =
       GroupInRows<uint32_t>(mesh.vertices.size(), [&](const auto& add) {

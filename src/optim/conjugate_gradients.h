@@ -37,6 +37,7 @@ struct SolverVectors {
 // \param multiply  multiply(in, &out) sets out = matrix * in.
 // \param precondition  precondition(residual, &out) sets out = the
 //        preconditioner's inverse * residual.
+// \param v  of a solution before, or empty
 // \return whether it has converged; else max_iterations ended it, or rounding
 // \pre the matrix is symmetric and positive semidefinite, the preconditioner's
 //      inverse too; `out` has the size of the right-hand side
@@ -44,9 +45,8 @@ template <typename Multiply, typename Precondition>
 bool SolveByConjugateGradients(const SolverOptions& options,
                                const Multiply& multiply,
                                const Precondition& precondition,
-                               SolverVectors* vectors) {
-  using Vector = SolverVectors::Vector;
-  const auto dot = [](const Vector& a, const Vector& b) {
+                               SolverVectors* v) {
+  const auto dot = [](const auto& a, const auto& b) {
     return tbb::parallel_deterministic_reduce(
         tbb::blocked_range<size_t>(0, a.size(), 8192), 0.0,
         [&](const tbb::blocked_range<size_t>& range, double sum) {
@@ -55,40 +55,36 @@ bool SolveByConjugateGradients(const SolverOptions& options,
         },
         std::plus<>());
   };
-  Vector& residual = vectors->residual;
-  Vector& values = vectors->values;
-  Vector& direction = vectors->direction;
-  Vector& preconditioned = vectors->preconditioned;
-  Vector& image = vectors->image;
-  const size_t size = residual.size();
-  for (Vector* vector : {&values, &direction, &preconditioned, &image}) {
+  const size_t size = v->residual.size();
+  for (auto* vector :
+       {&v->values, &v->direction, &v->preconditioned, &v->image}) {
     vector->resize(size);
   }
-  precondition(residual, &preconditioned);
+  precondition(v->residual, &v->preconditioned);
   tbb::parallel_for(size_t{0}, size, [&](size_t i) {
-    values[i] = 0;
-    direction[i] = preconditioned[i];
+    v->values[i] = 0;
+    v->direction[i] = v->preconditioned[i];
   });
-  double product = dot(residual, preconditioned);
+  double product = dot(v->residual, v->preconditioned);
   const double enough = options.tolerance * options.tolerance * product;
   for (int iteration = 0;
        product > enough && iteration != options.max_iterations; ++iteration) {
-    multiply(direction, &image);
-    const double curvature = dot(direction, image);
+    multiply(v->direction, &v->image);
+    const double curvature = dot(v->direction, v->image);
     if (!(curvature > 0)) {
       break;
     }
     const double step = product / curvature;
     tbb::parallel_for(size_t{0}, size, [&](size_t i) {
-      values[i] += step * direction[i];
-      residual[i] -= step * image[i];
+      v->values[i] += step * v->direction[i];
+      v->residual[i] -= step * v->image[i];
     });
-    precondition(residual, &preconditioned);
-    const double next = dot(residual, preconditioned);
+    precondition(v->residual, &v->preconditioned);
+    const double next = dot(v->residual, v->preconditioned);
     const double ratio = next / product;
     product = next;
     tbb::parallel_for(size_t{0}, size, [&](size_t i) {
-      direction[i] = preconditioned[i] + ratio * direction[i];
+      v->direction[i] = v->preconditioned[i] + ratio * v->direction[i];
     });
   }
   return !(product > enough);

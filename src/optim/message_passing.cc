@@ -4,7 +4,6 @@
 #include <array>
 #include <functional>
 #include <limits>
-#include <utility>
 #include <vector>
 
 #include <tbb/blocked_range.h>
@@ -294,15 +293,6 @@ class MessagePassing {
   std::vector<float> messages_;
 };
 
-// Takes the choices if they are better.
-void OfferChoices(std::vector<uint32_t> choices, double energy,
-                  PottsSolution* solution) {
-  if (energy < solution->energy) {
-    solution->energy = energy;
-    solution->choices = std::move(choices);
-  }
-}
-
 // Sequential tree-reweighted message passing [Kolmogorov2006], see
 // SolvePotts().
 // \param solution  with choices and their energy; gets better ones, and the
@@ -317,7 +307,10 @@ void PassMessages(const PottsProblem& problem, double max_gap,
   while (solution->iterations < max_iterations) {
     ++solution->iterations;
     const double energy = passing.Forward(&choices);
-    OfferChoices(choices, energy, solution);
+    if (energy < solution->energy) {
+      solution->energy = energy;
+      solution->choices = choices;
+    }
     const double bound = passing.Backward();
     const double rise = bound - solution->lower_bound;
     solution->lower_bound = std::max(solution->lower_bound, bound);

@@ -140,11 +140,8 @@ struct AnchoredMesh {
     std::vector<Edge> edges =
         MakeRows<Edge>(edit.NumHalfEdges(), append).values;
     tbb::parallel_sort(edges.begin(), edges.end());
-    std::vector<uint32_t> halves;
-    halves.reserve(edges.size());
-    for (const auto& edge : edges) {
-      halves.push_back(edge.second);
-    }
+    std::vector<uint32_t> halves(edges.size());
+    std::ranges::transform(edges, halves.begin(), &Edge::second);
     return halves;
   }
 

@@ -12,7 +12,6 @@ namespace colmap_ext {
 
 // What a trimming did.
 struct TrimReport {
-  size_t num_regions = 0;          // dropped for their low confidence
   size_t num_facets = 0;           // dropped
   size_t num_leftover_facets = 0;  // of them: confident, in small pieces
   size_t num_kept_facets = 0;      // of low confidence, kept

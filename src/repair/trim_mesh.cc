@@ -180,15 +180,13 @@ TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
   const LinkedMesh surface{trimmed.mesh, gap_widths,
                            MakeVertexRings(trimmed.mesh),
                            PairHalfEdges(trimmed.mesh.facets)};
-  std::vector<uint8_t> is_low;
-  for (const float confidence : facet_confidences) {
-    is_low.push_back(confidence < min_confidence);
-  }
+  std::vector<uint8_t> is_low(facet_confidences.size());
+  std::ranges::transform(facet_confidences, is_low.begin(),
+                         [=](float value) { return value < min_confidence; });
   std::vector<uint8_t> is_dropped = FindDropped(surface, is_low);
-  TrimReport& report = trimmed.report;
-  report.num_regions =
-      KeepContinuations(surface.mesh, surface.partners, &is_dropped);
+  KeepContinuations(surface.mesh, surface.partners, &is_dropped);
   AddLeftovers(surface, facet_confidences, &is_dropped);
+  TrimReport& report = trimmed.report;
   for (size_t i = 0; i < is_low.size(); ++i) {
     report.num_facets += is_dropped[i];
     report.num_leftover_facets += is_dropped[i] != 0 && is_low[i] == 0;

@@ -23,7 +23,7 @@ PAPER = "1 pair (the paper's)"
 
 
 def pairs(count, final):
-    return ["pairs_per_facet", str(count), "final_pairs_per_facet", str(final)]
+    return ["pairs_per_face", str(count), "final_pairs_per_face", str(final)]
 
 
 SETTINGS = {

@@ -52,7 +52,7 @@ TEST_P(CommandTest, ExplainsItselfAndItsOptions) {
   for (const char* arguments : {"-h", "--help"}) {
     EXPECT_TRUE(HasAll(Succeed(Run(arguments)).out,
                        {"--workspace_path", "--project_path",
-                        "--DelaunayManifoldMeshing.trim"}));
+                        "--DelaunayManifoldMeshing.min_confidence"}));
   }
 }
 

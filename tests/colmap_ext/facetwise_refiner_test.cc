@@ -174,7 +174,7 @@ TEST_F(FacetwiseRefinerTest, WorksInLittleMemory) {
   const std::string arguments = " @levels 2 @iterations 2";
   Succeed(Refine(arguments));
   const std::string mesh = ReadFile(path_ / kOutput);
-  Succeed(Refine(arguments + " @max_memory_gb 1e-9"));
+  Succeed(Refine(arguments + " --image_cache_gb 1e-9"));
   EXPECT_EQ(ReadFile(path_ / kOutput), mesh);
 }
 
@@ -187,8 +187,8 @@ TEST_F(FacetwiseRefinerTest, RefinesInOtherWays) {
   const std::string by_default = refine("");
   std::set<std::string> results = {by_default};
   for (const std::string option :
-       {"solver descent", "pair_selection classical", "pairs_per_facet 3",
-        "final_pairs_per_facet 1", "occlusion_masking 0", "window 7",
+       {"solver descent", "pair_selection classical", "pairs_per_face 3",
+        "final_pairs_per_face 1", "occlusion_masking 0", "window 7",
         "image_scale 0.5"}) {
     EXPECT_TRUE(results.insert(refine(" @" + option)).second) << option;
   }

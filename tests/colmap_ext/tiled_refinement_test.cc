@@ -116,7 +116,7 @@ struct TiledRefinementTest : RefinerFixture {
     return last;
   }
 
-  std::string Plan() const { return PathOption("plan", plan_); }
+  std::string Plan() const { return PathOption("plan_path", plan_); }
   static std::string Tile(int tile) {
     return " --tile " + std::to_string(tile);
   }

@@ -41,12 +41,12 @@ struct TilingTest : testing::Test {
 
   std::string TileCommand(int tile) const {
     return "delaunay_manifold_mesher --tile " + std::to_string(tile) +
-           PathOption("plan", plan_);
+           PathOption("plan_path", plan_);
   }
   Outcome MakeTile(int tile) const { return RunProgram(TileCommand(tile)); }
 
   std::string MergeCommand() const {
-    return CommandLine("mesh_merger" + PathOption("plan", plan_) +
+    return CommandLine("mesh_merger" + PathOption("plan_path", plan_) +
                        PathOption("output_path", mesh_));
   }
   Outcome Merge(const std::string& more = "") const {
@@ -220,7 +220,7 @@ TEST_F(TilingTest, AMergerOnAFullDiskLeavesTheOldMesh) {
 TEST_F(TilingTest, TheMergerReplacesNoFileOfThePlan) {
   MakeAll(1);
   for (const char* name : {"plan.json", "tile00000.cut.bin"}) {
-    ExpectRefusal(RunProgram("mesh_merger" + PathOption("plan", plan_) +
+    ExpectRefusal(RunProgram("mesh_merger" + PathOption("plan_path", plan_) +
                              PathOption("output_path", plan_ / name)),
                   "it is read, and would be replaced");
   }
@@ -229,7 +229,7 @@ TEST_F(TilingTest, TheMergerReplacesNoFileOfThePlan) {
 
 TEST_F(TilingTest, TheMergerFinishesTheSurfaceAsTheMesherDoes) {
   for (const std::string option :
-       {"trim 0.2", "close_holes -1", "min_component_faces 20"}) {
+       {"min_confidence 0.2", "close_holes -1", "min_component_faces 20"}) {
     SCOPED_TRACE(option);
     const std::string options = " @" + option;
     MakeAll(1, options);

@@ -138,7 +138,7 @@ def _value(run, place, command, name):
 
 
 # Options that are drawn in other ways, or would open a window.
-LEFT_OUT = {"help", "version", "viewer", "plan", "plan_path", "tile", "resume",
+LEFT_OUT = {"help", "version", "viewer", "plan_path", "tile", "resume",
             "refined"}
 
 
