@@ -5,8 +5,8 @@
 namespace colmap_ext {
 
 // Has glibc keep what is freed for the next allocation: blocks of less than
-// 16 MB, and up to 32 MB at the end of the heap. The system clears every page
-// that is returned to it. Larger blocks would leave holes between others.
+// 16 MB, and up to 32 MB at the end of the heap. The system clears what it gets
+// back. Larger blocks go back to it: between others they would leave holes.
 inline void KeepFreedMemory() {
 #ifdef M_TRIM_THRESHOLD
   mallopt(M_MMAP_THRESHOLD, 1 << 24);
