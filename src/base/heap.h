@@ -14,8 +14,8 @@ inline void KeepFreedMemory() {
 #endif
 }
 
-// Returns to the system what is free, holes of the heap included: before a
-// stage that needs most memory.
+// Returns freed memory to the system, holes of the heap included. Call it
+// before a stage that needs much memory.
 inline void ReturnFreedMemory() {
 #ifdef __GLIBC__
   malloc_trim(0);

@@ -120,7 +120,7 @@ struct Umbrellas {
 Umbrellas MakeUmbrellas(const TriangleMesh& mesh) {
   Umbrellas umbrellas{MakeVertexRings(mesh), {}, {}};
   const VertexRings& rings = umbrellas.rings;
-  // One facet has both ends of a border's edge as corners.
+  // An edge of the border belongs to one facet.
   const auto is_border_edge = [&](size_t from, uint32_t to) {
     return std::ranges::count_if(rings.corners[from], [&](uint32_t corner) {
              return std::ranges::count(mesh.facets[corner / 3], to) > 0;

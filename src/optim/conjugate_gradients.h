@@ -19,8 +19,8 @@ struct SolverOptions {
   int max_iterations = 1000;
 };
 
-// What a solution takes, kept for others: of many millions of elements each,
-// which take time to get and to clear.
+// The vectors of the solver, to be kept for its next call: allocating and
+// clearing millions of elements takes time.
 struct SolverVectors {
   using Vector = std::vector<double>;
 
@@ -37,7 +37,7 @@ struct SolverVectors {
 // \param multiply  multiply(in, &out) sets out = matrix * in.
 // \param precondition  precondition(residual, &out) sets out = the
 //        preconditioner's inverse * residual.
-// \param v  of a solution before, or empty
+// \param v  has the right-hand side; what else it has does not matter.
 // \return whether it has converged; else max_iterations ended it, or rounding
 // \pre the matrix is symmetric and positive semidefinite, the preconditioner's
 //      inverse too; `out` has the size of the right-hand side

@@ -84,7 +84,7 @@ class NormalEquations {
   std::vector<float> outgoing_;
   std::vector<float> incoming_;
 
-  mutable std::vector<double> weighted_changes_;  // [V] Multiply()'s
+  mutable std::vector<double> weighted_changes_;  // [V] scratch of Multiply()
 };
 
 // Limits each vertex's motion along its normal to 0.4 times the mean length of
