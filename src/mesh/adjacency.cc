@@ -106,6 +106,23 @@ VertexRings MakeVertexRings(const TriangleMesh& mesh) {
   return rings;
 }
 
+std::vector<uint32_t> SmoothingNeighbors(const TriangleMesh& mesh,
+                                         const VertexRings& rings,
+                                         uint32_t vertex) {
+  const auto is_along_border = [&](uint32_t neighbor) {
+    return std::ranges::count_if(rings.corners[vertex], [&](uint32_t corner) {
+             return std::ranges::count(mesh.facets[corner / 3], neighbor) > 0;
+           }) == 1;
+  };
+  std::vector<uint32_t> neighbors;
+  for (const uint32_t neighbor : rings.neighbors[vertex]) {
+    if (rings.is_border[vertex] == 0 || is_along_border(neighbor)) {
+      neighbors.push_back(neighbor);
+    }
+  }
+  return neighbors;
+}
+
 std::vector<double> MeanLengths(const Rows<uint32_t>& neighbors,
                                 const std::vector<Eigen::Vector3f>& vertices) {
   std::vector<double> lengths(vertices.size(), 0);

@@ -148,6 +148,13 @@ std::vector<uint32_t> VerticesOf(const TriangleMesh& mesh,
 // \pre facet indices are in range, no facet repeats a vertex
 VertexRings MakeVertexRings(const TriangleMesh& mesh);
 
+// The neighbors that a vertex is smoothed by, ascending: all, but at the border
+// only those along it.
+// \param rings  MakeVertexRings(mesh)
+std::vector<uint32_t> SmoothingNeighbors(const TriangleMesh& mesh,
+                                         const VertexRings& rings,
+                                         uint32_t vertex);
+
 // [V] The mean distance of each vertex from its neighbors, scene units; 0 where
 // it has none.
 std::vector<double> MeanLengths(const Rows<uint32_t>& neighbors,

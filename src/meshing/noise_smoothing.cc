@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <utility>
 
 #include <tbb/parallel_for.h>
 #include <Eigen/Cholesky>
@@ -119,20 +118,11 @@ struct Umbrellas {
 
 Umbrellas MakeUmbrellas(const TriangleMesh& mesh) {
   Umbrellas umbrellas{MakeVertexRings(mesh), {}, {}};
-  const VertexRings& rings = umbrellas.rings;
-  // An edge of the border belongs to one facet.
-  const auto is_border_edge = [&](size_t from, uint32_t to) {
-    return std::ranges::count_if(rings.corners[from], [&](uint32_t corner) {
-             return std::ranges::count(mesh.facets[corner / 3], to) > 0;
-           }) == 1;
-  };
   umbrellas.neighbors = MakeRows<uint32_t>(
       mesh.vertices.size(), [&](size_t i, std::vector<uint32_t>* row) {
-        for (const uint32_t neighbor : rings.neighbors[i]) {
-          if (rings.is_border[i] == 0 || is_border_edge(i, neighbor)) {
-            row->push_back(neighbor);
-          }
-        }
+        Append(
+            SmoothingNeighbors(mesh, umbrellas.rings, static_cast<uint32_t>(i)),
+            row);
       });
   umbrellas.users =
       GroupInRows<uint32_t>(mesh.vertices.size(), [&](const auto& add) {

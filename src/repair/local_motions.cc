@@ -4,7 +4,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include "base/indices.h"
 #include "base/rows.h"
 #include "mesh/normals.h"
 
@@ -14,24 +13,10 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-// Whether an edge has one facet.
-bool IsBorderEdge(const TriangleMesh& mesh, const VertexRings& rings,
-                  uint32_t from, uint32_t to) {
-  return std::ranges::count_if(rings.corners[from], [&](uint32_t corner) {
-           return std::ranges::count(mesh.facets[corner / 3], to) > 0;
-         }) == 1;
-}
-
 // Those that a vertex is drawn to.
 std::vector<uint32_t> Drawing(const TriangleMesh& mesh,
                               const VertexRings& rings, uint32_t vertex) {
-  std::vector<uint32_t> neighbors;
-  for (const uint32_t neighbor : rings.neighbors[vertex]) {
-    if (rings.is_border[vertex] == 0 ||
-        IsBorderEdge(mesh, rings, vertex, neighbor)) {
-      neighbors.push_back(neighbor);
-    }
-  }
+  std::vector<uint32_t> neighbors = SmoothingNeighbors(mesh, rings, vertex);
   if (rings.is_border[vertex] != 0 && neighbors.size() != 2) {
     neighbors.clear();
   }
