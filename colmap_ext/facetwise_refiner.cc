@@ -64,7 +64,7 @@ class Refiner {
     Read();
     RefinedMesh refined = run_.Run(&input_);
     if (refined.report.is_stopped) {
-      GiveUp(refined.report);
+      GiveUp(refined);
     }
     AtomicFiles files;
     Write(refined, &files);
@@ -134,12 +134,16 @@ class Refiner {
     }
   }
 
-  [[noreturn]] void GiveUp(const RefinementReport& report) {
+  [[noreturn]] void GiveUp(const RefinedMesh& refined) {
     console_.reporter.Finish();
-    AtomicFiles files;
-    WriteReport(report, &files);
-    files.Commit();
     const int level = run_.Level();
+    AtomicFiles files;
+    WriteReport(refined.report, &files);
+    if (level > 0) {
+      WriteMesh(run_.LevelMeshPath(level), refined.mesh, refined.attributes,
+                std::nullopt, &files);
+    }
+    files.Commit();
     if (level == 0) {
       throw Interruption(run_.Signal(),
                          "no level was complete, and nothing was written");

@@ -99,7 +99,7 @@ RefinementBackend MakeBackend(const RefinerOptions& options,
 }
 
 JobFile StateFile(const fs::path& output) {
-  return {StatePath(output), {"CESTATE2", "start without --resume"}, 0};
+  return {StatePath(output), {"CESTATE3", "start without --resume"}, 0};
 }
 
 // Calls function(number) for those of a view that the refinement changes.
@@ -162,16 +162,14 @@ void WriteState(const fs::path& output, const JobInputs& inputs, int level,
     ForEachCameraNumber(&view,
                         [&](double number) { cameras.push_back(number); });
   }
-  WriteJobFile(StateFile(output), ValuesText(inputs.options),
-               ValuesText(inputs.files), level, state.mesh.vertices,
-               state.mesh.facets, attributes.colors, attributes.views,
-               attributes.confidences, state.origins, state.fixed_sources,
-               cameras, misalignment.by_cameras, misalignment.of_surface,
-               misalignment.by_view, misalignment.radial_shifts,
-               alignment.track_positions, refined.track_sigma, refined.views,
-               report.num_shortened_steps, report.num_unconverged_solutions,
-               report.num_flipped_facets, report.num_removed_self_intersections,
-               report.labelings, report.steps);
+  WriteJobFile(
+      StateFile(output), ValuesText(inputs.options), ValuesText(inputs.files),
+      level, state.mesh.vertices, state.mesh.facets, attributes.colors,
+      attributes.views, attributes.confidences, state.origins,
+      state.fixed_sources, cameras, misalignment.by_cameras,
+      misalignment.of_surface, misalignment.by_view, misalignment.radial_shifts,
+      alignment.track_positions, refined.track_sigma, refined.views,
+      report.num_removed_self_intersections, report.labelings, report.steps);
 }
 
 int ReadState(const fs::path& output, const JobInputs& inputs,
@@ -192,15 +190,14 @@ int ReadState(const fs::path& output, const JobInputs& inputs,
   CameraRefinementReport refined;
   VertexAttributes& attributes = state->attributes;
   RefinementReport& report = state->report;
-  file.ReadFrom(
-      2, &level, &state->mesh.vertices, &state->mesh.facets, &attributes.colors,
-      &attributes.views, &attributes.confidences, &state->origins,
-      &state->fixed_sources, &cameras, &misalignment.by_cameras,
-      &misalignment.of_surface, &misalignment.by_view,
-      &misalignment.radial_shifts, &state->alignment.track_positions,
-      &refined.track_sigma, &refined.views, &report.num_shortened_steps,
-      &report.num_unconverged_solutions, &report.num_flipped_facets,
-      &report.num_removed_self_intersections, &report.labelings, &report.steps);
+  file.ReadFrom(2, &level, &state->mesh.vertices, &state->mesh.facets,
+                &attributes.colors, &attributes.views, &attributes.confidences,
+                &state->origins, &state->fixed_sources, &cameras,
+                &misalignment.by_cameras, &misalignment.of_surface,
+                &misalignment.by_view, &misalignment.radial_shifts,
+                &state->alignment.track_positions, &refined.track_sigma,
+                &refined.views, &report.num_removed_self_intersections,
+                &report.labelings, &report.steps);
   if (!refined.views.empty()) {
     state->alignment.refinements = {std::move(refined)};
   }
@@ -240,7 +237,6 @@ void ResumableRefinement::Resume(RefinementInput* input) {
 }
 
 RefinedMesh ResumableRefinement::Run(RefinementInput* input) {
-  is_part_ = input->is_part;
   const RefinementBackend backend =
       MakeBackend(options_, input->images,
                   ExpectedFacets(options_.refinement.max_face_area, input->mesh,
@@ -290,23 +286,13 @@ void ResumableRefinement::OnStep(const RefinementStep& step,
   if (live_ != nullptr) {
     live_->Show(state.mesh, state.attributes, Describe(step));
   }
-  if (options_.snapshot_interval > 0 && step.iteration > 0 &&
-      step.iteration % options_.snapshot_interval == 0) {
-    WriteColoredMesh(fs::path(output_).replace_extension(
-                         fmt::format(".{}.{}.ply", step.level, step.iteration)),
-                     state.mesh, state.attributes.colors);
-  }
 }
 
 void ResumableRefinement::OnLevel(int level, const RefinedMesh& state) {
   if (level == 0) {
     return;
   }
-  if (!is_part_) {
-    WriteMesh(LevelMeshPath(level), state.mesh, state.attributes);
-  }
   WriteState(output_, inputs, level, state, WithEarlier(state.report));
-  RemoveLevelMeshes(level + 1);
   level_ = level;
 }
 
@@ -322,9 +308,6 @@ RefinementReport ResumableRefinement::WithEarlier(
                       earlier_.steps.end());
   report.labelings.insert(report.labelings.begin(), earlier_.labelings.begin(),
                           earlier_.labelings.end());
-  report.num_shortened_steps += earlier_.num_shortened_steps;
-  report.num_unconverged_solutions += earlier_.num_unconverged_solutions;
-  report.num_flipped_facets += earlier_.num_flipped_facets;
   report.num_removed_self_intersections +=
       earlier_.num_removed_self_intersections;
   return report;
@@ -335,19 +318,12 @@ fs::path ResumableRefinement::LevelMeshPath(int level) const {
       fmt::format(".level{}.ply", level));
 }
 
-// Of this level and those before.
-void ResumableRefinement::RemoveLevelMeshes(int level) const {
-  for (; !is_part_ && level < options_.refinement.levels; ++level) {
+void ResumableRefinement::RemoveFiles() const {
+  RemoveState(output_);
+  for (int level = 1; level < options_.refinement.levels; ++level) {
     std::error_code ignored;
     fs::remove(LevelMeshPath(level), ignored);
     fs::remove(VisibilityPath(LevelMeshPath(level)), ignored);
-  }
-}
-
-void ResumableRefinement::RemoveFiles() const {
-  if (level_ > 0) {
-    RemoveState(output_);
-    RemoveLevelMeshes(1);
   }
 }
 

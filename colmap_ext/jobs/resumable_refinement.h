@@ -64,7 +64,7 @@ class ResumableRefinement {
   // The last complete level on disk; 0: none.
   int Level() const { return level_; }
 
-  // The mesh of a complete level that is kept for users, unless this is a tile.
+  // Where an interrupted run leaves the mesh of its last complete level.
   std::filesystem::path LevelMeshPath(int level) const;
 
   // To be called when the result is written.
@@ -77,13 +77,11 @@ class ResumableRefinement {
   void OnStep(const RefinementStep& step, const RefinedMesh& state);
   void OnLevel(int level, const RefinedMesh& state);
   RefinementReport WithEarlier(RefinementReport report) const;
-  void RemoveLevelMeshes(int level) const;
 
   const RefinerOptions& options_;
   const std::filesystem::path output_;
   LiveView* live_;
   Console& console_;
-  bool is_part_ = false;
   int level_ = 0;
   int signal_ = 0;
   RefinementReport earlier_;                  // of the run that is resumed

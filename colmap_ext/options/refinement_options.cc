@@ -5,8 +5,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A pixel takes one byte in an image, and eight where facets are drawn.
-constexpr double kImageShare = 1.0 / 9;
+// A pixel takes one byte in an image, and four where facets are drawn.
+constexpr double kImageShare = 1.0 / 5;
 
 // The least share of the memory that is left for drawings: some views and their
 // partners. Chosen by hand.
@@ -35,9 +35,9 @@ void CheckPlan(const RefinerOptions& options) {
              "--plan_path determines what is refined: omit masks, regions, "
              "transforms and all paths but --input_path");
   }
-  RefuseIf(options.resume || options.viewer || options.snapshot_interval > 0,
-           "--resume, --viewer and snapshot_interval are not for plans: a job "
-           "refines a whole tile");
+  RefuseIf(options.resume || options.viewer,
+           "--resume and --viewer are not for plans: a job refines a whole "
+           "tile");
   if (options.input_path.empty() != (options.tile >= 0)) {
     throw OptionError(
         options.tile >= 0
@@ -209,15 +209,11 @@ void AddRunOptions(CommandOptions* options, RefinerOptions* refiner) {
   AddGpuIndexOption(&refiner->gpu_index, options);
   options->AddAlias(ours + "gpu_index", "gpu_index");
   options->AddThreads("FacetwiseRefinement");
-  options->Add("image_cache_gb", &refiner->image_cache_gb, kGigabytes,
-               "[GB] Memory for cached images and depth buffers; those that do "
-               "not fit are read and drawn again. The mesh, its visibility and "
-               "labels come on top");
-  options->SetGroup(OptionGroup::kAdvanced);
-  options->Add(ours + "snapshot_interval", &refiner->snapshot_interval, {0},
-               "[iterations] Write OUTPUT.LEVEL.ITERATION.ply each time after "
-               "this many; 0: never");
-  options->SetGroup(OptionGroup::kBasic);
+  options->Add(
+      "image_cache_gb", &refiner->image_cache_gb, kGigabytes,
+      "[GB] Memory for cached images and what is drawn into them; what does "
+      "not fit is read and drawn again. The mesh, its visibility and "
+      "labels come on top");
 }
 
 }  // namespace

@@ -46,7 +46,6 @@ struct RefinerOptions {
   int gpu_index = -1;                          // see EglContext
   double image_cache_gb = 4;
   bool skip_missing_images = false;
-  int snapshot_interval = 0;  // iterations; 0: none
 
   // Checks the options, and sets those that depend on others.
   // \throw OptionError if something is wrong with any of the options.

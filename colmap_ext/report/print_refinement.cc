@@ -56,9 +56,6 @@ void PrintStages(const RefinementReport& report, ReportLog* log) {
         fmt::format("{:>14} -> {}", stage.mean_zncc[0], stage.mean_zncc[1]),
         log);
   }
-  Print("steps shortened", report.num_shortened_steps, log);
-  PrintIfAny("solutions that did not converge",
-             report.num_unconverged_solutions, log);
 }
 
 // px in the image. An image that moves farther was placed wrongly before, or is
@@ -225,7 +222,6 @@ void PrintReport(const RefinementReport& report, const MeshReport& mesh,
   PrintHeading("Mesh", log);
   PrintReport(report.borders, log);
   PrintTopology(mesh, log);
-  Print("flipped faces", report.num_flipped_facets, log);
   PrintIfAny("self-intersections removed",
              report.num_removed_self_intersections, log);
   Print("self-intersections", report.num_self_intersections, log);

@@ -163,8 +163,8 @@ class FacetwiseRefinementOptions(BaseOptions):
     """[threads] Number of threads; -1: all cores. The result does not depend on it."""
 
     image_cache_gb: Annotated[float, Range(1e-09, 1000000)] = 4.0
-    """[GB] Memory for cached images and depth buffers; those that do not fit are read
-    and drawn again. The mesh, its visibility and labels come on top."""
+    """[GB] Memory for cached images and what is drawn into them; what does not fit is
+    read and drawn again. The mesh, its visibility and labels come on top."""
 
     quality: Literal["low", "medium", "high", "extreme"] = "high"
     """Preset of image_scale, max_face_area and final_pairs_per_face; options that are
@@ -216,10 +216,6 @@ class FacetwiseRefinementOptions(BaseOptions):
     image_order: Literal["auto", "file", "image_id", "frame", "frame_id"] = "auto"
     """Order of the images by which .vis files number them. Set it if the command asks
     for it."""
-
-    snapshot_interval: Annotated[int, Range(0)] = 0
-    """[iterations] Write OUTPUT.LEVEL.ITERATION.ply each time after this many; 0:
-    never."""
 
     iterations: Annotated[int, Range(1)] = 10
     """[iterations] Maximum number at each level, without the last four."""

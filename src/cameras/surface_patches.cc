@@ -19,16 +19,37 @@ constexpr double kMaxAreaRatio = 4;
 // Pixels of a cell between windows that are tried, per axis: so many a cell.
 constexpr int kTrialsPerAxis = 6;
 
+// [height * width] of what was drawn, 1 / scene unit; 0 where nothing was.
+std::vector<float> InverseDepths(const DrawnView& i) {
+  std::vector<float> depths(i.drawn.facets.size(), 0);
+  uint32_t facet = kNone;
+  DrawnDepth depth;  // of the facet
+  for (int row = 0; row < i.drawn.height; ++row) {
+    for (int col = 0; col < i.drawn.width; ++col) {
+      const size_t pixel = i.drawn.Index(row, col);
+      const uint32_t shown = i.drawn.facets[pixel];
+      if (shown == kNone) {
+        continue;
+      }
+      if (shown != std::exchange(facet, shown)) {
+        depth = DepthOf(i.view, i.mesh, i.mesh.facets[shown]);
+      }
+      depths[pixel] = static_cast<float>(depth.At(row, col));
+    }
+  }
+  return depths;
+}
+
 // The smaller eigenvalue of the covariance of the grey values' gradient in a
 // window, per pixel; negative if the window shows more than one surface, or a
 // facet that does not face the camera.
-double Texture(const DrawnView& i, int row, int col, int radius,
-               float max_relative_depth) {
+double Texture(const DrawnView& i, const std::vector<float>& depths, int row,
+               int col, int radius, float max_relative_depth) {
   const uint32_t facet = i.drawn.facets[i.drawn.Index(row, col)];
   if (facet == kNone || !i.drawn.is_facing[facet]) {
     return -1;
   }
-  const float center = i.drawn.inverse_depths[i.drawn.Index(row, col)];
+  const float center = depths[i.drawn.Index(row, col)];
   double uu = 0;
   double uv = 0;
   double vv = 0;
@@ -37,7 +58,7 @@ double Texture(const DrawnView& i, int row, int col, int radius,
     const uint8_t* line = i.image.Row(y);
     const uint8_t* below = i.image.Row(y + 1);
     for (int x = col - radius; x <= col + radius; ++x) {
-      const float depth = i.drawn.inverse_depths[i.drawn.Index(y, x)];
+      const float depth = depths[i.drawn.Index(y, x)];
       if (std::abs(depth - center) > max_relative_depth * center ||
           IsSaturated(line[x])) {
         return -1;
@@ -67,9 +88,10 @@ Range RangeOfCell(int cell, int num_cells, int size, int margin) {
 }
 
 // The window of a cell with the most texture; none if it has too little.
-std::optional<SurfacePatch> BestOfCell(const DrawnView& i, const Range& rows,
-                                       const Range& cols, int radius,
-                                       float max_relative_depth,
+std::optional<SurfacePatch> BestOfCell(const DrawnView& i,
+                                       const std::vector<float>& depths,
+                                       const Range& rows, const Range& cols,
+                                       int radius, float max_relative_depth,
                                        double min_texture) {
   std::optional<SurfacePatch> best;
   double best_texture = min_texture;
@@ -77,7 +99,8 @@ std::optional<SurfacePatch> BestOfCell(const DrawnView& i, const Range& rows,
   const int col_step = std::max(1, (cols.last - cols.first) / kTrialsPerAxis);
   for (int row = rows.first; row <= rows.last; row += row_step) {
     for (int col = cols.first; col <= cols.last; col += col_step) {
-      const double texture = Texture(i, row, col, radius, max_relative_depth);
+      const double texture =
+          Texture(i, depths, row, col, radius, max_relative_depth);
       if (texture > best_texture) {
         best_texture = texture;
         best = SurfacePatch();
@@ -97,7 +120,8 @@ std::vector<SurfacePatch> PatchesOfView(const PatchOptions& options,
   const auto drawn = scene.buffers.Get(view);
   const auto image = scene.images->Image(view);
   const View& camera = scene.buffers.Views()[view];
-  const DrawnView i{camera, *image, *drawn};
+  const DrawnView i{camera, *image, *drawn, scene.buffers.Mesh()};
+  const std::vector<float> depths = InverseDepths(i);
   const auto num_views = static_cast<int>(scene.buffers.Views().size());
   const int max_patches = std::min(
       options.max_patches_per_view,
@@ -112,15 +136,15 @@ std::vector<SurfacePatch> PatchesOfView(const PatchOptions& options,
   std::vector<SurfacePatch> patches;
   for (int row = 0; row < num_rows; ++row) {
     for (int col = 0; col < num_cols; ++col) {
-      std::optional<SurfacePatch> best =
-          BestOfCell(i, RangeOfCell(row, num_rows, camera.height, margin),
-                     RangeOfCell(col, num_cols, camera.width, margin),
-                     options.radius, max_depth, photometric.noise_variance);
+      std::optional<SurfacePatch> best = BestOfCell(
+          i, depths, RangeOfCell(row, num_rows, camera.height, margin),
+          RangeOfCell(col, num_cols, camera.width, margin), options.radius,
+          max_depth, photometric.noise_variance);
       if (best) {
         best->view = view;
         best->normal = scene.FrameOf(best->facet).normal;
         const size_t pixel = drawn->Index(best->row, best->col);
-        best->footprint = 1 / (drawn->inverse_depths[pixel] * camera.fx);
+        best->footprint = 1 / (depths[pixel] * camera.fx);
         patches.push_back(*best);
       }
     }
@@ -139,14 +163,15 @@ std::optional<Seeing> Sees(const DrawnScene& scene, const FacetIdBuffer& drawn,
                            double border) {
   const View& view_i = scene.buffers.Views()[patch.view];
   const View& view_j = scene.buffers.Views()[j];
+  const TriangleMesh& mesh = scene.buffers.Mesh();
   const Eigen::Vector3d in_j = view_j.CamFromWorld(point);
   if (!drawn.is_facing[patch.facet] || !(in_j.z() > 0)) {
     return std::nullopt;
   }
   const Eigen::Vector2d pixel = view_j.ImageFromCam(in_j);
   if (!IsWithin(view_j, pixel, border) ||
-      !IsNearest(view_j, drawn, patch.facet,
-                 PlaneSlope(view_j, scene.FrameOf(patch.facet)), pixel.x(),
+      !IsNearest(view_j, mesh, drawn, patch.facet,
+                 PlaneSlope(view_j, mesh, mesh.facets[patch.facet]), pixel.x(),
                  pixel.y(), 1 / in_j.z())) {
     return std::nullopt;
   }

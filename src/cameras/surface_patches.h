@@ -91,10 +91,9 @@ Eigen::Vector3d PatchPoint(const View& view, const FacetFrame& frame,
 // not be saturated, and j has to see their points. The window is valid if more
 // than half of it is left, with more variance than nothing in both.
 // \param i, j  the cameras as they are now, and the surface as it was drawn.
-// \param mesh  that was drawn
 WindowShift CompareWindow(const PhotometricOptions& options, int radius,
                           const DrawnView& i, const DrawnView& j,
-                          const TriangleMesh& mesh, const SurfacePatch& patch);
+                          const SurfacePatch& patch);
 
 // Compares each patch with each of its partners (CompareWindow()).
 // \param radius  of the windows, px

@@ -14,18 +14,37 @@ namespace {
 class DisplacedWarp {
  public:
   DisplacedWarp(const DrawnView& i, const DrawnView& j,
-                const TriangleMesh& mesh, const SurfacePatch& patch)
+                const SurfacePatch& patch)
       : i_(i),
         j_(j),
-        mesh_(mesh),
         offset_(patch.displacement * patch.footprint * patch.normal),
         pair_(i.view, j.view) {}
 
-  // \return whether j sees what the pixel shows
-  bool Sample(uint32_t facet, int row, int col, Interpolated* sample) {
-    if (facet != facet_) {
-      SetFacet(facet);
+  // The facet that the next calls are for.
+  void SetFacet(uint32_t facet) {
+    if (facet == facet_) {
+      return;
     }
+    const Facet& corners = i_.mesh.facets[facet];
+    const FacetFrame frame = ComputeFacetFrame(i_.mesh, corners);
+    facet_ = facet;
+    is_facing_ = i_.drawn.is_facing[facet] && j_.drawn.is_facing[facet];
+    const double distance = frame.normal.dot(frame.corner - pair_.center_i);
+    const double displaced = distance + frame.normal.dot(offset_);
+    inverse_depth_ =
+        (pair_.ray_from_pixel_i.transpose() * frame.normal) / displaced;
+    drawn_factor_ = displaced / distance;
+    slope_ = PlaneSlope(j_.view, j_.mesh, corners);
+  }
+
+  // The inverse depth in i of the facet's plane as it was drawn.
+  double DrawnDepth(int row, int col) const {
+    return drawn_factor_ *
+           inverse_depth_.dot(Eigen::Vector3d(col + 0.5, row + 0.5, 1));
+  }
+
+  // \return whether j sees what the pixel shows
+  bool Sample(int row, int col, Interpolated* sample) const {
     const Eigen::Vector3d pixel(col + 0.5, row + 0.5, 1);
     const double inverse_depth = inverse_depth_.dot(pixel);
     const Eigen::Vector3d p =
@@ -36,7 +55,7 @@ class DisplacedWarp {
     const double u = p.x() / p.z();
     const double v = p.y() / p.z();
     if (!IsWithin(j_.view, {u, v}, 0.5) ||
-        !IsNearest(j_.view, j_.drawn, facet, slope_, u, v,
+        !IsNearest(j_.view, j_.mesh, j_.drawn, facet_, slope_, u, v,
                    inverse_depth / p.z())) {
       return false;
     }
@@ -45,25 +64,16 @@ class DisplacedWarp {
   }
 
  private:
-  void SetFacet(uint32_t facet) {
-    const FacetPlane plane = PlaneOfFacet(mesh_, mesh_.facets[facet]);
-    facet_ = facet;
-    is_facing_ = i_.drawn.is_facing[facet] && j_.drawn.is_facing[facet];
-    inverse_depth_ = (pair_.ray_from_pixel_i.transpose() * plane.normal) /
-                     plane.normal.dot(plane.corner + offset_ - pair_.center_i);
-    slope_ = PlaneSlope(j_.view, plane);
-  }
-
   const DrawnView& i_;
   const DrawnView& j_;
-  const TriangleMesh& mesh_;
   Eigen::Vector3d offset_;  // of the patch, scene units
   PairGeometry pair_;
   // Of the facet.
   uint32_t facet_ = kNone;
   bool is_facing_ = false;
   Eigen::Vector3d inverse_depth_;  // by (u, v, 1) in i
-  double slope_ = 0;               // see PlaneSlope()
+  double drawn_factor_ = 1;        // from there to the inverse depth as drawn
+  double slope_ = 0;               // in j, see PlaneSlope()
 };
 
 // Sums over a window's pixels of I, J and the gradient (u, v) of J.
@@ -126,11 +136,11 @@ Eigen::Vector3d PatchPoint(const View& view, const FacetFrame& frame,
 
 WindowShift CompareWindow(const PhotometricOptions& options, int radius,
                           const DrawnView& i, const DrawnView& j,
-                          const TriangleMesh& mesh, const SurfacePatch& patch) {
-  DisplacedWarp warp(i, j, mesh, patch);
-  const float center =
-      i.drawn.inverse_depths[i.drawn.Index(patch.row, patch.col)];
-  const float max_difference =
+                          const SurfacePatch& patch) {
+  DisplacedWarp warp(i, j, patch);
+  warp.SetFacet(patch.facet);
+  const double center = warp.DrawnDepth(patch.row, patch.col);
+  const double max_difference =
       MaxRelativeDepth(options, i.view, radius) * center;
   // Correlation does not depend on means; without them less is lost to
   // rounding.
@@ -139,12 +149,14 @@ WindowShift CompareWindow(const PhotometricOptions& options, int radius,
   for (int row = patch.row - radius; row <= patch.row + radius; ++row) {
     const uint8_t* line = i.image.Row(row);
     for (int col = patch.col - radius; col <= patch.col + radius; ++col) {
-      const size_t pixel = i.drawn.Index(row, col);
-      const uint32_t facet = i.drawn.facets[pixel];
+      const uint32_t facet = i.drawn.facets[i.drawn.Index(row, col)];
+      if (facet == kNone || IsSaturated(line[col])) {
+        continue;
+      }
+      warp.SetFacet(facet);
       Interpolated sample;
-      if (facet != kNone && !IsSaturated(line[col]) &&
-          std::abs(i.drawn.inverse_depths[pixel] - center) <= max_difference &&
-          warp.Sample(facet, row, col, &sample)) {
+      if (std::abs(warp.DrawnDepth(row, col) - center) <= max_difference &&
+          warp.Sample(row, col, &sample)) {
         sample.value -= static_cast<float>(mean);
         sums.Add(line[col] - mean, sample);
       }
@@ -181,8 +193,9 @@ std::vector<WindowShift> ComparePatches(const PhotometricOptions& photometric,
     const auto image_j = scene.images->Image(j);
     const auto drawn_i = scene.buffers.Get(i);
     const auto drawn_j = scene.buffers.Get(j);
-    const DrawnView view_i{views[i], *image_i, *drawn_i};
-    const DrawnView view_j{views[j], *image_j, *drawn_j};
+    const TriangleMesh& mesh = scene.buffers.Mesh();
+    const DrawnView view_i{views[i], *image_i, *drawn_i, mesh};
+    const DrawnView view_j{views[j], *image_j, *drawn_j, mesh};
     for (size_t k = std::ranges::lower_bound(patches.patches, i, {},
                                              &SurfacePatch::view) -
                     patches.patches.begin();
@@ -192,7 +205,7 @@ std::vector<WindowShift> ComparePatches(const PhotometricOptions& photometric,
       if (found != row.end()) {
         shifts[patches.partners.offsets[k] + (found - row.begin())] =
             CompareWindow(photometric, radius, view_i, view_j,
-                          scene.buffers.Mesh(), patches.patches[k]);
+                          patches.patches[k]);
       }
     }
   });

@@ -4,6 +4,7 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -85,11 +86,13 @@ struct FacetLabels {
   // The same with at most the first count(facet) labels of each facet.
   template <typename Count>
   FacetLabels Shortened(const Count& count) const {
-    FacetLabels first{pairs, {}, {}};
-    for (size_t i = 0; i < NumFacets(); ++i) {
-      first.labels.AddRow(
-          labels[i].first(std::min<size_t>(labels[i].size(), count(i))));
-    }
+    FacetLabels first{pairs, labels, {}};
+    EditRows(
+        [&](size_t i, auto row) {
+          return std::optional(std::min<size_t>(row.size(), count(i)));
+        },
+        &first.labels);
+    first.labels.values.shrink_to_fit();
     return first;
   }
 

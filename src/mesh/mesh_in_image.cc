@@ -142,4 +142,31 @@ double MedianFootprint(const TriangleMesh& mesh,
   return footprints.empty() ? 0 : Median(&footprints);
 }
 
+bool IsFacing(const TriangleMesh& mesh, const Facet& facet,
+              const Eigen::Vector3d& camera, double min_cosine) {
+  const auto [a, b, c] = CornersOf<double>(mesh, facet);
+  const Eigen::Vector3d cross = (b - a).cross(c - a);
+  const Eigen::Vector3d to_camera = camera - (a + b + c) / 3;
+  const double product = cross.dot(to_camera);
+  const double scale = cross.squaredNorm() * to_camera.squaredNorm();
+  return product > 0 && product * product > min_cosine * min_cosine * scale;
+}
+
+Eigen::Vector3d InverseDepthByPixel(const View& view, const TriangleMesh& mesh,
+                                    const Facet& facet) {
+  const auto [a, b, c] = CornersOf<double>(mesh, facet);
+  const Eigen::Vector3d normal =
+      view.cam_from_world_rotation * (b - a).cross(c - a);
+  const double u = normal.x() / view.fx;
+  const double v = normal.y() / view.fy;
+  return Eigen::Vector3d(u, v, normal.z() - u * view.cx - v * view.cy) /
+         normal.dot(view.CamFromWorld(a));
+}
+
+double PlaneSlope(const View& view, const TriangleMesh& mesh,
+                  const Facet& facet) {
+  const Eigen::Vector3d by_pixel = InverseDepthByPixel(view, mesh, facet);
+  return std::abs(by_pixel.x()) + std::abs(by_pixel.y());
+}
+
 }  // namespace colmap_ext

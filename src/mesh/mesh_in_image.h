@@ -59,4 +59,44 @@ double MedianFootprint(const TriangleMesh& mesh,
                        const Rows<uint32_t>& vertex_views,
                        const std::vector<View>& views);
 
+// Whether the cosine between a facet's normal and the ray from its centroid to
+// the camera's centre is above min_cosine.
+bool IsFacing(const TriangleMesh& mesh, const Facet& facet,
+              const Eigen::Vector3d& camera, double min_cosine);
+
+// A facet's plane and the barycentric coordinates on it, in the world frame.
+struct FacetFrame {
+  Eigen::Vector3d normal;      // towards free space, unit; 0: degenerate
+  Eigen::Vector3d corner;      // the first, scene units
+  Eigen::Vector3d gradient_1;  // of the second corner's barycentric coordinate,
+                               // 1 / scene unit
+  Eigen::Vector3d gradient_2;  // of the third's
+};
+
+inline FacetFrame ComputeFacetFrame(const TriangleMesh& mesh,
+                                    const Facet& facet) {
+  const auto [a, b, c] = CornersOf<double>(mesh, facet);
+  const Eigen::Vector3d edge_1 = b - a;
+  const Eigen::Vector3d edge_2 = c - a;
+  const Eigen::Vector3d cross = edge_1.cross(edge_2);
+  const double area = cross.norm();  // twice
+  if (!(area > 0)) {
+    const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+    return {zero, a, zero, zero};
+  }
+  const Eigen::Vector3d normal = cross / area;
+  return {normal, a, edge_2.cross(normal) / area, normal.cross(edge_1) / area};
+}
+
+// The inverse depth of a facet's plane in a view: it is linear over the image.
+// \return of (u, v, 1), px -> 1 / scene unit; not finite where the camera's
+//         centre lies on the plane
+Eigen::Vector3d InverseDepthByPixel(const View& view, const TriangleMesh& mesh,
+                                    const Facet& facet);
+
+// By how much the inverse depth of a facet's plane changes in a view, at most,
+// from a pixel to one of the eight around it, 1 / scene unit.
+double PlaneSlope(const View& view, const TriangleMesh& mesh,
+                  const Facet& facet);
+
 }  // namespace colmap_ext

@@ -1,11 +1,9 @@
 #include "mesh/normals.h"
 
 #include <cmath>
-#include <functional>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
 namespace colmap_ext {
 namespace {
@@ -50,22 +48,6 @@ Vector3d AngleVector(const TriangleMesh& mesh, const Facet& facet,
   const double norm = normal.norm();
   return norm > 0 ? Vector3d(std::atan2(norm, u.dot(v)) / norm * normal)
                   : Vector3d::Zero();
-}
-
-size_t CountFlippedFacets(const std::vector<Facet>& facets,
-                          const std::vector<Vector3f>& before,
-                          const std::vector<Vector3f>& after) {
-  return tbb::parallel_reduce(
-      tbb::blocked_range<size_t>(0, facets.size()), size_t{0},
-      [&](const tbb::blocked_range<size_t>& range, size_t count) {
-        for (size_t i = range.begin(); i < range.end(); ++i) {
-          count +=
-              AreaVector(before, facets[i]).dot(AreaVector(after, facets[i])) <
-              0;
-        }
-        return count;
-      },
-      std::plus<>());
 }
 
 std::vector<Vector3f> VertexNormals(const TriangleMesh& mesh,

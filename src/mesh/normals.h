@@ -35,14 +35,6 @@ inline Eigen::Vector3f AreaVector(const TriangleMesh& mesh,
 Eigen::Vector3d AngleVector(const TriangleMesh& mesh, const Facet& facet,
                             uint32_t corner);
 
-// Counts the facets whose normals turn by more than a right angle from one set
-// of positions to another. Facets without area do not count.
-// \param before, after  [V] scene units
-// \pre facet indices < V
-size_t CountFlippedFacets(const std::vector<Facet>& facets,
-                          const std::vector<Eigen::Vector3f>& before,
-                          const std::vector<Eigen::Vector3f>& after);
-
 // Returns [V] unit normals: the sum of the facets' normals, weighted by their
 // angles at the vertex [Thuermer1998]; zero where there is none.
 // \param rings  MakeVertexRings() of the mesh, at any positions of its vertices

@@ -99,7 +99,8 @@ PairWarp::Plane PairWarp::PlaneOf(uint32_t facet) const {
   plane.is_facing = i_.drawn.is_facing[facet] && j_.drawn.is_facing[facet];
   plane.nearness = -1 / frame.normal.dot(from_corner);
   plane.inverse_depth = plane.nearness * (pixel_from_ray * frame.normal);
-  plane.slope = PlaneSlope(j_.view, frame);
+  plane.slope = PlaneSlope(j_.view, mesh_, mesh_.facets[facet]);
+  plane.drawn = DepthOf(i_.view, i_.mesh, i_.mesh.facets[facet]);
   plane.barycentric = {frame.gradient_1.dot(from_corner),
                        frame.gradient_2.dot(from_corner)};
   plane.barycentric_by_depth = {pixel_from_ray * frame.gradient_1,
@@ -168,7 +169,7 @@ void PairWarp::ComputePixel(const Row& row, int col, const Plane& plane,
   const double u = p.x() * scale;
   const double v = p.y() * scale;
   if (!IsWithin(j_.view, {u, v}, 0.5) ||
-      !IsNearest(j_.view, j_.drawn, plane.facet, plane.slope, u, v,
+      !IsNearest(j_.view, j_.mesh, j_.drawn, plane.facet, plane.slope, u, v,
                  inverse_depth * scale)) {
     return;
   }
@@ -199,18 +200,18 @@ void PairWarp::ComputeRow(int row, int first_col, int last_col,
                    pair_.pixel_j_from_pixel_i.col(1) * v +
                        pair_.pixel_j_from_pixel_i.col(2)};
   const uint8_t* grays = i_.image.Row(image_row) + geometry->first_col;
-  const float* inverse_depths = i_.drawn.inverse_depths.data() +
-                                i_.drawn.Index(image_row, geometry->first_col);
   for (int col = first_col; col <= last_col; ++col) {
     if (places[col] == kNone) {
       continue;
     }
-    ComputePixel(of_row, col, planes[places[col]], tile, geometry);
+    const Plane& plane = planes[places[col]];
+    ComputePixel(of_row, col, plane, tile, geometry);
     const size_t at = tile->Index(row, col);
     if (tile->is_valid[at] > 0) {
       tile->image[at] = grays[col];
       // As drawn, so that no mask changes as the surface moves.
-      tile->inverse_depths[at] = inverse_depths[col];
+      tile->inverse_depths[at] = static_cast<float>(
+          plane.drawn.At(image_row, geometry->first_col + col));
     }
   }
 }

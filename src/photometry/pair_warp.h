@@ -27,11 +27,12 @@ struct Interpolated {
 // \pre (u, v) is not outside of the border pixels' centres
 Interpolated Interpolate(const GrayImage& image, double u, double v);
 
-// A view, its image, and the mesh drawn into it. References are kept.
+// A view, its image, and a mesh drawn into it. References are kept.
 struct DrawnView {
   const View& view;
   const GrayImage& image;
   const FacetIdBuffer& drawn;
+  const TriangleMesh& mesh;
 };
 
 // What a pixel (u, v, 1) of view i with the inverse depth w, in units of the
@@ -82,6 +83,7 @@ class PairWarp {
     Eigen::Vector3d inverse_depth{0, 0, 0};
     double nearness = 0;  // 1 / (n . (corner - centre of i)), 1 / scene unit
     double slope = 0;     // in j, see PlaneSlope()
+    DrawnDepth drawn{};   // in i
     // The barycentric coordinates of the second and third corner at the centre
     // of i, and by how much they change with the depth.
     std::array<double, 2> barycentric{};

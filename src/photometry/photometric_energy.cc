@@ -193,9 +193,9 @@ class CpuPhotometricEnergy : public PhotometricEnergy {
     const auto drawn_i = buffers_->Get(i);
     const auto drawn_j = buffers_->Get(j);
     const std::vector<View>& views = images_->Views();
-    return evaluator->Evaluate({views[i], *image_i, *drawn_i},
-                               {views[j], *image_j, *drawn_j}, mesh,
-                               work.facets[index], tiles);
+    return evaluator->Evaluate({views[i], *image_i, *drawn_i, buffers_->Mesh()},
+                               {views[j], *image_j, *drawn_j, buffers_->Mesh()},
+                               mesh, work.facets[index], tiles);
   }
 
   PhotometricOptions options_;

@@ -7,8 +7,6 @@
 #include <tuple>
 #include <utility>
 
-#include "mesh/mesh_in_image.h"
-
 namespace colmap_ext {
 namespace {
 
@@ -96,31 +94,22 @@ struct EdgeFunction {
   int64_t value, col_step, row_step;
 };
 
-// The inverse depth at the centre of pixel (row, col) of a facet's plane:
-// linear over the image.
-struct InverseDepth {
-  InverseDepth(const std::array<Projected, 3>& corners, int64_t area, int row,
-               int col) {
-    const auto [a, b, c] = corners;
-    const double scale = static_cast<double>(kSubpixels) / area;
-    const double ab = b.inverse_depth - a.inverse_depth;
-    const double ac = c.inverse_depth - a.inverse_depth;
-    col_step = (ab * (c.v - a.v) - ac * (b.v - a.v)) * scale;
-    row_step = (ac * (b.u - a.u) - ab * (c.u - a.u)) * scale;
-    value = a.inverse_depth +
-            (col + 0.5 - a.u * (1.0 / kSubpixels)) * col_step +
-            (row + 0.5 - a.v * (1.0 / kSubpixels)) * row_step;
-    std::tie(min, max) =
-        std::minmax({a.inverse_depth, b.inverse_depth, c.inverse_depth});
-  }
-
-  // Rounding can leave the range of a facet that is seen from its edge.
-  float At(int col) const {
-    return static_cast<float>(std::clamp(value + col * col_step, min, max));
-  }
-
-  double value, col_step, row_step, min, max;
-};
+// \param area  Area(corners), not 0
+DrawnDepth MakeDepth(const std::array<Projected, 3>& corners, int64_t area) {
+  const auto [a, b, c] = corners;
+  const double scale = static_cast<double>(kSubpixels) / area;
+  const double ab = b.inverse_depth - a.inverse_depth;
+  const double ac = c.inverse_depth - a.inverse_depth;
+  DrawnDepth depth;
+  depth.col_step = (ab * (c.v - a.v) - ac * (b.v - a.v)) * scale;
+  depth.row_step = (ac * (b.u - a.u) - ab * (c.u - a.u)) * scale;
+  depth.value = a.inverse_depth +
+                (0.5 - a.u * (1.0 / kSubpixels)) * depth.col_step +
+                (0.5 - a.v * (1.0 / kSubpixels)) * depth.row_step;
+  std::tie(depth.min, depth.max) =
+      std::minmax({a.inverse_depth, b.inverse_depth, c.inverse_depth});
+  return depth;
+}
 
 // The pixels whose centres lie within [low, high], clipped to 0 ... size - 1.
 std::pair<int, int> PixelRange(int64_t low, int64_t high, int size) {
@@ -148,11 +137,13 @@ int64_t Area(const std::array<Projected, 3>& corners) {
   return (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
 }
 
-// Pixels [first, first + count) of the buffer's arrays.
+// Pixels of a row.
+// \param edges  at the first of them
 void DrawRow(uint32_t facet, const std::array<EdgeFunction, 3>& edges,
-             const InverseDepth& depth, size_t first, int count,
-             FacetIdBuffer* buffer) {
-  for (int col = 0; col < count; ++col) {
+             const DrawnDepth& depth, int row, int first_col, int last_col,
+             DrawnFacets* buffer) {
+  const size_t first = buffer->Index(row, first_col);
+  for (int col = 0; col <= last_col - first_col; ++col) {
     const int64_t outside =  // Negative if any of them is.
         (edges[0].value + col * edges[0].col_step) |
         (edges[1].value + col * edges[1].col_step) |
@@ -160,7 +151,8 @@ void DrawRow(uint32_t facet, const std::array<EdgeFunction, 3>& edges,
     if (outside < 0) {
       continue;
     }
-    const float inverse_depth = depth.At(col);
+    const auto inverse_depth =
+        static_cast<float>(depth.At(row, first_col + col));
     float& drawn_depth = buffer->inverse_depths[first + col];
     uint32_t& drawn_facet = buffer->facets[first + col];
     if (inverse_depth > drawn_depth ||
@@ -172,7 +164,7 @@ void DrawRow(uint32_t facet, const std::array<EdgeFunction, 3>& edges,
 }
 
 void DrawFacet(uint32_t facet, std::array<Projected, 3> corners,
-               FacetIdBuffer* buffer) {
+               DrawnFacets* buffer) {
   const PixelBox box = BoxOf(corners, buffer->width, buffer->height);
   if (box.IsEmpty()) {  // as many facets are, in small images
     return;
@@ -189,21 +181,19 @@ void DrawFacet(uint32_t facet, std::array<Projected, 3> corners,
       EdgeFunction(corners[0], corners[1], box.first_row, box.first_col),
       EdgeFunction(corners[1], corners[2], box.first_row, box.first_col),
       EdgeFunction(corners[2], corners[0], box.first_row, box.first_col)};
-  InverseDepth depth(corners, area, box.first_row, box.first_col);
+  const DrawnDepth depth = MakeDepth(corners, area);
   for (int row = box.first_row; row <= box.last_row; ++row) {
-    DrawRow(facet, edges, depth, buffer->Index(row, box.first_col),
-            box.last_col - box.first_col + 1, buffer);
+    DrawRow(facet, edges, depth, row, box.first_col, box.last_col, buffer);
     for (EdgeFunction& edge : edges) {
       edge.value += edge.row_step;
     }
-    depth.value += depth.row_step;
   }
 }
 
 // The part of a facet that is less than kFar from the image's corner. Where it
 // ends no other facet's border is moved: no pixel falls between them.
 void DrawClipped(const View& view, const TriangleMesh& mesh, uint32_t facet,
-                 FacetIdBuffer* buffer) {
+                 DrawnFacets* buffer) {
   const Eigen::AlignedBox2d box(Eigen::Vector2d::Constant(-kFar),
                                 Eigen::Vector2d::Constant(kFar));
   std::vector<Projected> corners;
@@ -248,14 +238,14 @@ bool IsClipped(const View& view, const TriangleMesh& mesh, const Facet& facet,
 // How far off the farthest surface is in each square of pixels.
 class FarthestSurface {
  public:
-  explicit FarthestSurface(const FacetIdBuffer& buffer)
+  explicit FarthestSurface(const DrawnFacets& buffer)
       : width_((buffer.width + kSide - 1) / kSide),
         columns_(static_cast<size_t>(width_) * kSide),
         depths_(static_cast<size_t>(width_) *
                 ((buffer.height + kSide - 1) / kSide)) {}
 
   // After the surface was drawn.
-  void Update(const FacetIdBuffer& buffer) {
+  void Update(const DrawnFacets& buffer) {
     for (int top = 0; top < buffer.height; top += kSide) {
       // First of the columns, which is done in vectors.
       std::ranges::fill(columns_, std::numeric_limits<float>::infinity());
@@ -297,9 +287,9 @@ class FarthestSurface {
 
 }  // namespace
 
-FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
-                         const FacetClusters& clusters, double min_cosine) {
-  FacetIdBuffer buffer;
+DrawnFacets DrawFacets(const View& view, const TriangleMesh& mesh,
+                       const FacetClusters& clusters, double min_cosine) {
+  DrawnFacets buffer;
   buffer.width = view.width;
   buffer.height = view.height;
   const size_t num_pixels = static_cast<size_t>(view.width) * view.height;
@@ -351,19 +341,9 @@ FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
   return buffer;
 }
 
-FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
-                         double min_cosine) {
+DrawnFacets DrawFacets(const View& view, const TriangleMesh& mesh,
+                       double min_cosine) {
   return DrawFacets(view, mesh, FacetClusters(mesh), min_cosine);
-}
-
-bool IsFacing(const TriangleMesh& mesh, const Facet& facet,
-              const Eigen::Vector3d& camera, double min_cosine) {
-  const auto [a, b, c] = CornersOf<double>(mesh, facet);
-  const Eigen::Vector3d cross = (b - a).cross(c - a);
-  const Eigen::Vector3d to_camera = camera - (a + b + c) / 3;
-  const double product = cross.dot(to_camera);
-  const double scale = cross.squaredNorm() * to_camera.squaredNorm();
-  return product > 0 && product * product > min_cosine * min_cosine * scale;
 }
 
 std::vector<uint32_t> FindClippedFacets(const View& view,
@@ -382,19 +362,40 @@ std::vector<uint32_t> FindClippedFacets(const View& view,
 }
 
 void EraseMasked(const GrayImage& mask, FacetIdBuffer* buffer) {
+  buffer->is_masked.assign(mask.pixels.size(), false);
   for (size_t i = 0; i < mask.pixels.size(); ++i) {
     if (mask.pixels[i] == 0) {
       buffer->facets[i] = kNone;
-      buffer->inverse_depths[i] = std::numeric_limits<float>::infinity();
+      buffer->is_masked[i] = true;
     }
   }
 }
 
-double PlaneSlope(const View& view, const FacetPlane& plane) {
-  const double distance = plane.normal.dot(plane.corner - view.Center());
-  const Eigen::Vector3d normal = view.cam_from_world_rotation * plane.normal;
-  return (std::abs(normal.x() / view.fx) + std::abs(normal.y() / view.fy)) /
-         std::abs(distance);
+DrawnDepth DepthOf(const View& view, const TriangleMesh& mesh,
+                   const Facet& facet) {
+  const auto [a, b, c] = CornersOf<double>(mesh, facet);
+  const std::array<Projected, 3> corners = {
+      Project(view, view.CamFromWorld(a)), Project(view, view.CamFromWorld(b)),
+      Project(view, view.CamFromWorld(c))};
+  if (IsWhole(corners)) {
+    return MakeDepth(corners, Area(corners));
+  }
+  const Eigen::Vector3d by_pixel = InverseDepthByPixel(view, mesh, facet);
+  return {by_pixel.dot(Eigen::Vector3d(0.5, 0.5, 1)), by_pixel.y(),
+          by_pixel.x(), 0, std::numeric_limits<double>::infinity()};
+}
+
+bool IsNearer(const View& view, const TriangleMesh& mesh, const Facet& facet,
+              int row, int col, double inverse_depth) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const auto& corner : CornersOf<double>(mesh, facet)) {
+    nearest =
+        std::min(nearest, view.cam_from_world_rotation.row(2).dot(corner) +
+                              view.cam_from_world_translation.z());
+  }
+  // Mostly no corner is.
+  return nearest * inverse_depth < 1 &&
+         DepthOf(view, mesh, facet).At(row, col) > inverse_depth;
 }
 
 }  // namespace colmap_ext

@@ -39,7 +39,8 @@ struct FacetParts {
 // Whether a view shows a facet's centroid; of a facet that is drawn by a part,
 // the middle of what lies within the border.
 bool IsVisible(const FacetParts& parts, uint32_t index, bool is_clipped,
-               const View& view, const FacetIdBuffer& drawn) {
+               const View& view, const TriangleMesh& drawn_mesh,
+               const FacetIdBuffer& drawn) {
   const Facet& facet = parts.mesh.facets[index];
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   double inverse_depth = 0;  // linear over the image; 0: not before the camera
@@ -60,15 +61,18 @@ bool IsVisible(const FacetParts& parts, uint32_t index, bool is_clipped,
     }
   }
   return inverse_depth > 0 && IsWithin(view, pixel, kVisibilityBorder) &&
-         IsNearest(view, drawn, parts.DrawnFacet(index),
-                   PlaneSlope(view, PlaneOfFacet(parts.mesh, facet)), pixel.x(),
-                   pixel.y(), inverse_depth);
+         IsNearest(view, drawn_mesh, drawn, parts.DrawnFacet(index),
+                   PlaneSlope(view, parts.mesh, facet), pixel.x(), pixel.y(),
+                   inverse_depth);
 }
 
 // The facets that a view shows, ascending.
-std::vector<uint32_t> FindVisible(const FacetParts& parts, const View& view,
-                                  const FacetIdBuffer& drawn,
-                                  double min_cosine) {
+std::vector<uint32_t> FindVisible(const FacetParts& parts,
+                                  const VisibilityBuffers& buffers,
+                                  size_t index) {
+  const View& view = buffers.Views()[index];
+  const auto buffer = buffers.Get(index);
+  const FacetIdBuffer& drawn = *buffer;
   const bool are_drawn = parts.drawn_facets == nullptr;
   const Eigen::Vector3d center = view.Center();
   std::vector<uint32_t> visible;
@@ -78,11 +82,12 @@ std::vector<uint32_t> FindVisible(const FacetParts& parts, const View& view,
       const uint32_t drawn_facet = parts.DrawnFacet(i);
       const bool is_part =
           std::ranges::binary_search(drawn.clipped, drawn_facet);
-      const bool is_facing = are_drawn
-                                 ? drawn.is_facing[i]
-                                 : IsFacing(parts.mesh, parts.mesh.facets[i],
-                                            center, is_part ? 0 : min_cosine);
-      if (is_facing && IsVisible(parts, i, is_part, view, drawn)) {
+      const bool is_facing =
+          are_drawn ? drawn.is_facing[i]
+                    : IsFacing(parts.mesh, parts.mesh.facets[i], center,
+                               is_part ? 0 : buffers.MinCosine());
+      if (is_facing &&
+          IsVisible(parts, i, is_part, view, buffers.Mesh(), drawn)) {
         visible.push_back(i);
       }
     }
@@ -164,9 +169,7 @@ FacetVisibility FindVisible(const VisibilityBuffers& buffers,
     std::vector<std::vector<uint32_t>> visible(
         std::min(kGroup, views.size() - first));
     tbb::parallel_for(size_t{0}, visible.size(), [&](size_t i) {
-      const auto drawn = buffers.Get(first + i);
-      visible[i] =
-          FindVisible(parts, views[first + i], *drawn, buffers.MinCosine());
+      visible[i] = FindVisible(parts, buffers, first + i);
     });
     tbb::parallel_for(size_t{0}, runs.size(), [&](size_t k) {
       AddToRun(parts.mesh, views, visible, first, k * kRun, &runs[k]);
@@ -209,10 +212,9 @@ void VisibilityBuffers::DrawAhead() const {
   tbb::parallel_for(size_t{0}, num_views, [&](size_t view) { Get(view); });
 }
 
-// Of a FacetIdBuffer: facets and depths of pixels, a bit a facet.
+// Of a FacetIdBuffer: the facets of pixels, a bit a facet.
 size_t VisibilityBuffers::Memory(size_t view) const {
-  constexpr size_t kBytesPerPixel = sizeof(uint32_t) + sizeof(float);
-  return kBytesPerPixel * views_[view].width * views_[view].height +
+  return sizeof(uint32_t) * views_[view].width * views_[view].height +
          mesh_.facets.size() / 8;
 }
 

@@ -7,7 +7,6 @@
 
 #include "base/heap.h"
 #include "base/rows.h"
-#include "mesh/normals.h"
 #include "raster/visibility_buffers.h"
 #include "refine/facet_sizes.h"
 #include "refine/level_refinement.h"
@@ -71,7 +70,6 @@ class Refinement {
     const std::string stage = "Refining, level " + std::to_string(level);
     Report(hooks_.progress, stage, 0);
     ReturnFreedMemory();
-    const std::vector<Eigen::Vector3f> before = state_.mesh.vertices;
     const auto on_step = [&](const RefinementStep& step,
                              const TriangleMesh& mesh) {
       state_.mesh.vertices = mesh.vertices;
@@ -91,11 +89,6 @@ class Refinement {
           RefinedConfidences(state_.mesh, refined.terms, options_.photometric,
                              ConfidencesByPoints());
     }
-    RefinementReport& report = state_.report;
-    report.num_shortened_steps += refined.num_shortened_steps;
-    report.num_unconverged_solutions += refined.num_unconverged_solutions;
-    report.num_flipped_facets +=
-        CountFlippedFacets(state_.mesh.facets, before, state_.mesh.vertices);
     if (level == 0 && options_.remeshing && !refined.is_stopped) {
       RemoveSelfIntersections(hooks_.progress, &state_);
       ImproveFacets(&state_);

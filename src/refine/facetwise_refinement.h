@@ -99,11 +99,7 @@ struct RefinementReport {
   std::vector<RefinementStep> steps;
   std::vector<LabelingReport> labelings;  // one a level
   bool is_stopped = false;                // by RefinementHooks::should_stop
-  bool is_skipped = false;         // not refined: the cameras are off by more
-  size_t num_shortened_steps = 0;  // of vertices, that would have flipped a
-                                   // facet or let two cross
-  size_t num_unconverged_solutions = 0;  // of linear systems
-  size_t num_flipped_facets = 0;         // against the surface they came from
+  bool is_skipped = false;  // not refined: the cameras are off by more
   size_t num_removed_self_intersections = 0;  // pairs of facets, of the input
                                               // and between levels
   size_t num_self_intersections = 0;          // of the result

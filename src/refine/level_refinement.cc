@@ -43,11 +43,14 @@ class LevelRefinement {
         ConfirmedFacets(surface_.mesh, domain_.rings, surface_.terms,
                         options_.photometric, options_.min_zncc);
     CompleteDomain();
-    const bool is_all_confirmed = std::ranges::count(is_confirmed, 0) == 0;
-    PhotometricTerms first_terms;
-    if (!is_all_confirmed) {
+    std::vector<FacetTerms> unconfirmed;
+    for (size_t i = 0; i < is_confirmed.size(); ++i) {
+      if (is_confirmed[i] == 0) {
+        unconfirmed.push_back(surface_.terms.facets[i]);
+      }
+    }
+    if (!unconfirmed.empty()) {
       labels_ = labels_.Masked(is_confirmed);
-      first_terms = std::move(surface_.terms);
       surface_ = Evaluate(std::move(surface_.mesh));
     }
     SetTarget(FirstTarget(domain_, surface_.mesh,
@@ -58,9 +61,9 @@ class LevelRefinement {
         labels_.labels.values.size() < labels.labels.values.size()) {
       Finish(std::move(labels));
     }
-    for (size_t i = 0; i < is_confirmed.size(); ++i) {
+    for (size_t i = 0, next = 0; i < is_confirmed.size(); ++i) {
       if (is_confirmed[i] == 0) {
-        surface_.terms.facets[i] = first_terms.facets[i];
+        surface_.terms.facets[i] = unconfirmed[next++];
       }
     }
     refined_.mesh = std::move(surface_.mesh);
@@ -154,8 +157,7 @@ class LevelRefinement {
       SetTarget(ConfirmRelief(domain_, smoothness_));
     }
     SetTarget(EstimateWeights(domain_, surface_, smoothness_,
-                              options_.smoothness_weight,
-                              &refined_.num_unconverged_solutions));
+                              options_.smoothness_weight));
   }
 
   // Makes the energy fall.
@@ -173,7 +175,6 @@ class LevelRefinement {
     for (int trial = 0; trial < kMaxTrials; ++trial) {
       MovedMesh moved = MoveSafely(surface_.mesh, domain_.rings,
                                    surface_.normals, std::move(motion), &tree_);
-      refined_.num_shortened_steps += std::ranges::count(moved.is_shortened, 1);
       motion = std::move(moved.motion);
       EvaluatedSurface next = Evaluate(std::move(moved.mesh));
       ThinPlate plate = PlateOf(smoothness_.target, domain_, next);
@@ -193,9 +194,7 @@ class LevelRefinement {
   std::vector<double> SolveForMotion() {
     const NormalEquations equations(surface_, domain_, smoothness_.plate);
     if (options_.solver == RefinementSolver::kGaussNewton) {
-      LinearSolution solution = equations.Solve();
-      refined_.num_unconverged_solutions += solution.is_converged ? 0 : 1;
-      return std::move(solution.values);
+      return equations.Solve();
     }
     std::vector<double> motion(surface_.mesh.vertices.size(), 0);
     for (size_t i = 0; i < motion.size(); ++i) {

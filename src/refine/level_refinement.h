@@ -29,10 +29,7 @@ struct RefinedLevel {
   // [F] of the last step's surface; of the first for facets that are not
   // confirmed (ConfirmedFacets()).
   PhotometricTerms terms;
-  bool is_stopped = false;               // by on_step
-  size_t num_shortened_steps = 0;        // of vertices, to turn no facet over
-                                         // and to let none cross
-  size_t num_unconverged_solutions = 0;  // of linear systems
+  bool is_stopped = false;  // by on_step
 };
 
 // Called before the first step and after each step, with the current mesh;

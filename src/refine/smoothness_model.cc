@@ -223,8 +223,7 @@ SmoothnessTarget ConfirmRelief(const SmoothnessDomain& domain,
 
 SmoothnessTarget EstimateWeights(const SmoothnessDomain& domain,
                                  const EvaluatedSurface& surface,
-                                 const SmoothnessModel& model, double factor,
-                                 size_t* num_unconverged) {
+                                 const SmoothnessModel& model, double factor) {
   // How many times the energy counts the noise of a pixel: windows overlap, and
   // both directions of several pairs compare it. Found by trial on rendered
   // scenes; rows "half" and "twice the smoothness" of docs/experiments.md show
@@ -233,11 +232,9 @@ SmoothnessTarget EstimateWeights(const SmoothnessDomain& domain,
   // Factor by which the weight may change in an iteration, so that the first
   // estimates, of a rough surface, do not throw it about.
   constexpr double kMaxChange = 4;
-  LinearSolution determined =
-      NormalEquations(surface, domain, model.plate).Determined();
-  *num_unconverged += determined.is_converged ? 0 : 1;
-  SmoothnessEvidence evidence{std::move(determined.values),
-                              Roughness(domain, model)};
+  SmoothnessEvidence evidence{
+      NormalEquations(surface, domain, model.plate).Determined(),
+      Roughness(domain, model)};
   for (double& share : evidence.determined) {
     share *= factor * kRedundancy;
   }

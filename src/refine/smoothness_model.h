@@ -197,10 +197,8 @@ SmoothnessTarget ConfirmRelief(const SmoothnessDomain& domain,
 // determine it, as likely as it is: that of the whole surface first, then of
 // each of its parts (docs/method.md, section 6.5).
 // \param factor  on the weights.
-// \param num_unconverged  goes up by one if the solver did not converge.
 SmoothnessTarget EstimateWeights(const SmoothnessDomain& domain,
                                  const EvaluatedSurface& surface,
-                                 const SmoothnessModel& model, double factor,
-                                 size_t* num_unconverged);
+                                 const SmoothnessModel& model, double factor);
 
 }  // namespace colmap_ext

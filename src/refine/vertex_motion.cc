@@ -161,13 +161,14 @@ void NormalEquations::Multiply(const std::vector<double>& in,
   ClearFixed(out);
 }
 
-LinearSolution NormalEquations::Solve(const SolverOptions& options) const {
+std::vector<double> NormalEquations::Solve(const SolverOptions& options) const {
   std::vector<double> descent(gradient_.size());
   std::ranges::transform(gradient_, descent.begin(), std::negate());
   return Solve(std::move(descent), options);
 }
 
-LinearSolution NormalEquations::Determined(const SolverOptions& options) const {
+std::vector<double> NormalEquations::Determined(
+    const SolverOptions& options) const {
   std::vector<double> signs(gradient_.size());
   for (size_t i = 0; i < signs.size(); ++i) {
     signs[i] = RandomSign(i);
@@ -175,21 +176,21 @@ LinearSolution NormalEquations::Determined(const SolverOptions& options) const {
   ClearFixed(&signs);
   std::vector<double> image(signs.size());
   Multiply(signs, true, &image);
-  LinearSolution determined = Solve(std::move(image), options);
+  std::vector<double> determined = Solve(std::move(image), options);
   for (size_t i = 0; i < signs.size(); ++i) {
-    determined.values[i] =
-        plate_.coefficients[i] > 0 ? 1 - signs[i] * determined.values[i] : 0.0;
+    determined[i] =
+        plate_.coefficients[i] > 0 ? 1 - signs[i] * determined[i] : 0.0;
   }
-  ClearFixed(&determined.values);
+  ClearFixed(&determined);
   return determined;
 }
 
-LinearSolution NormalEquations::Solve(std::vector<double> right_hand_side,
-                                      const SolverOptions& options) const {
+std::vector<double> NormalEquations::Solve(std::vector<double> right_hand_side,
+                                           const SolverOptions& options) const {
   using Vector = std::vector<double>;
   SolverVectors vectors;
   vectors.residual = std::move(right_hand_side);
-  const bool is_converged = SolveByConjugateGradients(
+  SolveByConjugateGradients(
       options, [&](const Vector& in, Vector* out) { Multiply(in, false, out); },
       [&](const Vector& residual, Vector* out) {
         tbb::parallel_for(size_t{0}, residual.size(), [&](size_t i) {
@@ -197,7 +198,7 @@ LinearSolution NormalEquations::Solve(std::vector<double> right_hand_side,
         });
       },
       &vectors);
-  return {std::move(vectors.values), is_converged};
+  return std::move(vectors.values);
 }
 
 namespace {
@@ -217,8 +218,7 @@ class SafeMotion {
         normals_(normals),
         facet_normals_(FacetNormals(mesh)),
         num_halvings_(mesh.vertices.size(), 0),
-        moved_{mesh, std::move(motion),
-               std::vector<uint8_t>(mesh.vertices.size(), 0)} {
+        moved_{mesh, std::move(motion)} {
     tbb::parallel_for(size_t{0}, mesh.vertices.size(),
                       [&](size_t vertex) { Place(vertex); });
   }
@@ -269,7 +269,6 @@ class SafeMotion {
     for (const uint32_t vertex : vertices) {
       moved_.motion[vertex] *= num_halvings_[vertex] < kMaxHalvings ? 0.5 : 0;
       ++num_halvings_[vertex];
-      moved_.is_shortened[vertex] = 1;
       Place(vertex);
     }
     return rings_.FacetsAt(vertices);

@@ -19,11 +19,6 @@ namespace colmap_ext {
 inline constexpr double kSolverTolerance = 0.03;
 inline constexpr SolverOptions kEarlyEnd{kSolverTolerance, 100};
 
-struct LinearSolution {
-  std::vector<double> values;  // [V]
-  bool is_converged = false;
-};
-
 // Gauss-Newton's quadratic model of the photometric energy and the smoothness,
 // in how far each vertex moves along its normal (docs/method.md, section 6.3).
 class NormalEquations {
@@ -41,7 +36,7 @@ class NormalEquations {
 
   // The minimum of the model, [V] scene units, by conjugate gradients,
   // preconditioned by the diagonal. 0 where nothing says anything.
-  LinearSolution Solve(const SolverOptions& options = kEarlyEnd) const;
+  std::vector<double> Solve(const SolverOptions& options = kEarlyEnd) const;
 
   // The effective degrees of freedom: how far the images, rather than the
   // smoothness, determine where each vertex is: [V]. Their sum estimates how
@@ -50,7 +45,8 @@ class NormalEquations {
   // vector of random signs [Hutchinson1990]. Each by itself estimates its
   // element of the diagonal, with much noise. 0 where a vertex has no
   // smoothness.
-  LinearSolution Determined(const SolverOptions& options = kEarlyEnd) const;
+  std::vector<double> Determined(
+      const SolverOptions& options = kEarlyEnd) const;
 
  private:
   void AddPhotometric();
@@ -63,8 +59,8 @@ class NormalEquations {
                 std::vector<double>* out) const;
 
   // matrix^-1 * right_hand_side
-  LinearSolution Solve(std::vector<double> right_hand_side,
-                       const SolverOptions& options) const;
+  std::vector<double> Solve(std::vector<double> right_hand_side,
+                            const SolverOptions& options) const;
 
   // Sets the values of fixed vertices to 0.
   void ClearFixed(std::vector<double>* values) const;
@@ -98,8 +94,7 @@ void LimitMotion(const TriangleMesh& mesh, const VertexRings& rings,
 
 struct MovedMesh {
   TriangleMesh mesh;
-  std::vector<double> motion;         // [V] along the normals, scene units
-  std::vector<uint8_t> is_shortened;  // [V] moved by less than `motion` asked
+  std::vector<double> motion;  // [V] along the normals, scene units
 };
 
 // Moves the vertices along their normals. Those of facets that would turn by

@@ -1,7 +1,9 @@
 #include "spatial/bvh.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "spatial/facet_tree.h"
 
@@ -28,11 +30,30 @@ bool Any(Int4 mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 Float4 Min(Float4 a, Float4 b) { return a < b ? a : b; }
 Float4 Max(Float4 a, Float4 b) { return a > b ? a : b; }
 
-// From a point v to the segment from the origin to `edge`, which may be one
-// point.
-double SegmentDistanceSquared(const Vector3d& v, const Vector3d& edge) {
+// The corners' weights in the point of a facet that is nearest to v: the foot
+// of the perpendicular if that lies on the facet, else on one of its sides.
+// Divides by positive values only, so that facets without area are no special
+// case. \param v, edge1, edge2  from the first corner
+Vector3d NearestWeights(const Vector3d& v, const Vector3d& edge1,
+                        const Vector3d& edge2) {
+  const Vector3d normal = edge1.cross(edge2);
+  const double area_squared = normal.squaredNorm();
+  if (area_squared > 0) {
+    const double weight1 = normal.dot(v.cross(edge2)) / area_squared;
+    const double weight2 = normal.dot(edge1.cross(v)) / area_squared;
+    if (weight1 >= 0 && weight2 >= 0 && weight1 + weight2 <= 1) {
+      return {std::max(0.0, 1 - weight1 - weight2), weight1, weight2};
+    }
+  }
   const Vector3d origin = Vector3d::Zero();
-  return (v - NearestOnSegment(origin, edge, v) * edge).squaredNorm();
+  const double first = NearestOnSegment(origin, edge1, v);
+  const double second = NearestOnSegment(edge1, edge2, v);
+  const double third = NearestOnSegment(origin, edge2, v);
+  const Vector3d sides[] = {
+      {1 - first, first, 0}, {0, 1 - second, second}, {1 - third, 0, third}};
+  return *std::ranges::min_element(sides, {}, [&](const Vector3d& weights) {
+    return (weights[1] * edge1 + weights[2] * edge2 - v).squaredNorm();
+  });
 }
 
 }  // namespace
@@ -199,25 +220,12 @@ HitPacket Bvh::Intersect(const RayPacket& rays) const {
   return hit;
 }
 
-// To the facet's plane if the foot of the perpendicular lies on the facet, else
-// to the nearest of its sides. Divides by positive values only, so that facets
-// without area are no special case.
 double Bvh::DistanceSquared(const Corner& corner, const Vector3d& point) {
   const Vector3d edge1 = corner.edge1.cast<double>();
   const Vector3d edge2 = corner.edge2.cast<double>();
   const Vector3d v = point - corner.point.cast<double>();
-  const Vector3d normal = edge1.cross(edge2);
-  const double area_squared = normal.squaredNorm();
-  const double weight1 = normal.dot(v.cross(edge2));
-  const double weight2 = normal.dot(edge1.cross(v));
-  if (area_squared > 0 && weight1 >= 0 && weight2 >= 0 &&
-      weight1 + weight2 <= area_squared) {
-    const double height = normal.dot(v);
-    return height * height / area_squared;
-  }
-  return std::min({SegmentDistanceSquared(v, edge1),
-                   SegmentDistanceSquared(v, edge2),
-                   SegmentDistanceSquared(v - edge1, edge2 - edge1)});
+  const Vector3d weights = NearestWeights(v, edge1, edge2);
+  return (weights[1] * edge1 + weights[2] * edge2 - v).squaredNorm();
 }
 
 double Bvh::DistanceSquared(const Node& node, const Vector3d& point) {
@@ -291,36 +299,10 @@ bool Bvh::IsNear(const Vector3f& point, const Vector3f& normal,
 
 SurfacePoint NearestPointOfFacet(const TriangleMesh& mesh, uint32_t facet,
                                  const Eigen::Vector3f& position) {
-  const auto corners = CornersOf<double>(mesh, mesh.facets[facet]);
-  const Vector3d p = position.cast<double>();
-  const Vector3d edge1 = corners[1] - corners[0];
-  const Vector3d edge2 = corners[2] - corners[0];
-  const Vector3d v = p - corners[0];
-  const Vector3d normal = edge1.cross(edge2);
-  const double area_squared = normal.squaredNorm();
-  if (area_squared > 0) {
-    const double weight1 = normal.dot(v.cross(edge2)) / area_squared;
-    const double weight2 = normal.dot(edge1.cross(v)) / area_squared;
-    if (weight1 >= 0 && weight2 >= 0 && weight1 + weight2 <= 1) {
-      return {facet,
-              Vector3d(1 - weight1 - weight2, weight1, weight2).cast<float>()};
-    }
-  }
-  Vector3d weights(1, 0, 0);
-  double nearest = -1;
-  for (int k = 0; k < 3; ++k) {
-    const int next = (k + 1) % 3;
-    const double t = NearestOnSegment(corners[k], corners[next], p);
-    const double distance =
-        ((1 - t) * corners[k] + t * corners[next] - p).squaredNorm();
-    if (nearest < 0 || distance < nearest) {
-      nearest = distance;
-      weights.setZero();
-      weights[k] = 1 - t;
-      weights[next] = t;
-    }
-  }
-  return {facet, weights.cast<float>()};
+  const auto [a, b, c] = CornersOf<double>(mesh, mesh.facets[facet]);
+  return {
+      facet,
+      NearestWeights(position.cast<double>() - a, b - a, c - a).cast<float>()};
 }
 
 }  // namespace colmap_ext

@@ -91,7 +91,7 @@ Crop CropAround(const View& view, const GrayImage& image,
 // Sets the pixels that show the facet as centers; for a facet that is too
 // small, the middle pixel, unless it is occluded.
 // \param depth  of the facet, scene units
-void SetCenters(const FacetIdBuffer& drawn, uint32_t facet, double depth,
+void SetCenters(const DrawnFacets& drawn, uint32_t facet, double depth,
                 int radius, CorrelationTile* tile) {
   constexpr double kHidden = 1.01;  // of its inverse depth; chosen by hand
   for (int row = 0; row < tile->height; ++row) {
@@ -266,15 +266,16 @@ FacetMatch MatchFacet(const TriangleMesh& mesh, uint32_t facet,
   }
   const Crop i = CropAround(first, first_image, center, kPatchSize);
   const Crop j = CropAround(second, second_image, center, kSearchSize);
-  const FacetIdBuffer drawn_i = DrawFacets(i.view, mesh, options.min_cosine);
-  const FacetIdBuffer drawn_j = DrawFacets(j.view, mesh, options.min_cosine);
+  const DrawnFacets drawn_i = DrawFacets(i.view, mesh, options.min_cosine);
+  const DrawnFacets drawn_j = DrawFacets(j.view, mesh, options.min_cosine);
   CorrelationTile tile;
   TileGeometry geometry;
   tile.Resize(kPatchSize, kPatchSize);
   SetCenters(drawn_i, facet, first.CamFromWorld(center).z(),
              options.window_radius, &tile);
   std::ranges::fill(tile.is_reached, 1);  // All of it is shown.
-  PairWarp({i.view, i.image, drawn_i}, {j.view, j.image, drawn_j}, mesh)
+  PairWarp({i.view, i.image, drawn_i, mesh}, {j.view, j.image, drawn_j, mesh},
+           mesh)
       .Compute(&tile, &geometry);
   FacetMatch match{i.image, {kPatchSize, kPatchSize, {}}, std::nullopt};
   for (size_t k = 0; k < tile.warped.size(); ++k) {

@@ -37,9 +37,10 @@ struct Windows {
     const auto image_j = images->Image(j);
     const auto drawn_i = buffers.Get(patch.view);
     const auto drawn_j = buffers.Get(j);
-    return CompareWindow(photometric, options.radius,
-                         {views[patch.view], *image_i, *drawn_i},
-                         {views[j], *image_j, *drawn_j}, buffers.Mesh(), patch);
+    return CompareWindow(
+        photometric, options.radius,
+        {views[patch.view], *image_i, *drawn_i, buffers.Mesh()},
+        {views[j], *image_j, *drawn_j, buffers.Mesh()}, patch);
   }
 
   // Whether no pixel of a window is masked: the energy of others jumps as one

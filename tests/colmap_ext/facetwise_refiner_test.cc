@@ -46,8 +46,8 @@ TEST_F(FacetwiseRefinerTest, RefinesAWorkspace) {
   EXPECT_TRUE(HasAll(
       outcome.out,
       {"memory, estimated", "computed by", "full size, iteration 1: energy",
-       "mean ZNCC", "pairs", "self-intersections", "flipped faces",
-       "peak memory", "its .vis", "moved by, px", "belong together"}));
+       "mean ZNCC", "pairs", "self-intersections", "peak memory", "its .vis",
+       "moved by, px", "belong together"}));
   EXPECT_EQ(ReadFile(path_ / "sparse" / "images.bin"), images);
   const fs::path refined = path_ / "sparse-refined";
   EXPECT_EQ(List(refined), List(path_ / "sparse"));
@@ -207,11 +207,10 @@ TEST_F(FacetwiseRefinerTest, DrawsByOpenGl) {
   ExpectGoodMesh(path_ / kOutput);
 }
 
-TEST_F(FacetwiseRefinerTest, WritesReportLabelsAndSnapshots) {
-  const Outcome outcome =
-      Succeed(Refine(Option("report_path", "energy.csv") +
-                     Option("labels_path", "labels.ply") +
-                     " @snapshot_interval 1 @levels 2 @iterations 2"));
+TEST_F(FacetwiseRefinerTest, WritesReportAndLabels) {
+  const Outcome outcome = Succeed(Refine(Option("report_path", "energy.csv") +
+                                         Option("labels_path", "labels.ply") +
+                                         " @levels 2 @iterations 2"));
   const std::string csv = ReadFile(path_ / "energy.csv");
   EXPECT_TRUE(csv.starts_with("level,final,iteration,energy,"));
   EXPECT_TRUE(HasAll(csv, {"\n1,0,", "\n0,0,", "\n0,1,"}));
@@ -222,10 +221,6 @@ TEST_F(FacetwiseRefinerTest, WritesReportLabelsAndSnapshots) {
   EXPECT_EQ(ReadPlyMesh(path_ / "labels.ply").facets.size(),
             ReadPlyMesh(path_ / kOutput).facets.size());
   ExpectPage(ReadFile(path_ / "energy.html"), outcome);
-  for (const char* name :
-       {"meshed-refined.1.1.ply", "meshed-refined.0.1.ply"}) {
-    EXPECT_GT(ReadPlyMesh(path_ / name).facets.size(), 1000) << name;
-  }
 }
 
 TEST_F(FacetwiseRefinerTest, WritesAPageOfWhateverFilesAreCalled) {

@@ -78,7 +78,7 @@ TEST_F(FacetDrawerTest, DrawsWhatTheProcessorDraws) {
     const TriangleMesh mesh = scene.Perturbed(0.3);
     for (const View& view : scene.Views()) {
       const Drawn drawn = Draw(view, mesh);
-      const FacetIdBuffer reference = DrawFacets(view, mesh, 0.1);
+      const DrawnFacets reference = DrawFacets(view, mesh, 0.1);
       num_pixels += drawn.facets.size();
       for (size_t i = 0; i < drawn.facets.size(); ++i) {
         if (drawn.facets[i] != reference.facets[i]) {
@@ -132,7 +132,7 @@ TEST_F(FacetDrawerTest, DrawsARoomFromInsideAsTheProcessorDoes) {
   const TriangleMesh& room = scene.Truth();
   for (const View& view : scene.Views()) {
     const Drawn drawn = Draw(view, room);
-    const FacetIdBuffer reference = DrawFacets(view, room, 0.1);
+    const DrawnFacets reference = DrawFacets(view, room, 0.1);
     size_t num_different = 0;
     for (size_t i = 0; i < drawn.facets.size(); ++i) {
       ASSERT_NE(reference.facets[i], kNone);

@@ -312,28 +312,6 @@ TEST(FacetNormals, OfTinyFacetsAreUnit) {
   EXPECT_EQ(FacetNormals(mesh), FacetNormals(MakeTetrahedron()));
 }
 
-TEST(CountFlippedFacets, CountsThoseThatTurnOver) {
-  const TriangleMesh mesh = MakeDisc();
-  const auto count = [&](const TriangleMesh& moved) {
-    return CountFlippedFacets(mesh.facets, mesh.vertices, moved.vertices);
-  };
-  EXPECT_EQ(count(mesh), 0u);
-  EXPECT_EQ(count(Moved(mesh,
-                        [](const Vector3f& p) {  // steep, but no overhang
-                          return Vector3f(p.x(), p.y(), 10 * p.x() * p.y());
-                        })),
-            0u);
-  TriangleMesh moved = mesh;
-  moved.vertices[2 * 8 + 3].x() += 1.5f;  // across the edges to its right
-  EXPECT_EQ(count(moved), 2u);
-  EXPECT_EQ(count(Moved(mesh,
-                        [](const Vector3f& p) {
-                          return Vector3f(-p.x(), p.y(), p.z());
-                        })),
-            mesh.facets.size());
-  EXPECT_EQ(CountFlippedFacets({}, {}, {}), 0u);
-}
-
 // Weighted by angles they do not depend on how the sides are cut in facets.
 TEST(VertexNormals, OfACubesCornersPointAlongItsDiagonals) {
   const TriangleMesh cube = MakeCube();

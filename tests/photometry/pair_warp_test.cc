@@ -33,8 +33,9 @@ struct WarpScene {
         drawn{DrawFacets(view_i, mesh, 0.1), DrawFacets(view_j, mesh, 0.1)} {}
 
   PairWarp Warp(int i, int j) const {
-    return {
-        {views[i], images[i], drawn[i]}, {views[j], images[j], drawn[j]}, mesh};
+    return {{views[i], images[i], drawn[i], mesh},
+            {views[j], images[j], drawn[j], mesh},
+            mesh};
   }
 
   FacetFrame Frame(uint32_t facet) const {
@@ -54,7 +55,7 @@ struct WarpScene {
   TriangleMesh mesh;
   View views[2];
   GrayImage images[2];
-  FacetIdBuffer drawn[2];
+  DrawnFacets drawn[2];
 };
 
 struct Warped {
@@ -151,9 +152,10 @@ TEST(PairWarp, OfTheTrueSurfaceShowsTheSame) {
       const uint32_t facet = scene.drawn[i].facets[at];
       EXPECT_EQ(warped.geometry.facets[at], facet);
       EXPECT_EQ(warped.tile.image[at], scene.images[i].pixels[at]);
-      EXPECT_EQ(warped.tile.inverse_depths[at],
-                scene.drawn[i].inverse_depths[at]);
       const Vector3d point = scene.PointAt(i, facet, row, col);
+      EXPECT_NEAR(
+          warped.tile.inverse_depths[at] / scene.drawn[i].inverse_depths[at], 1,
+          1e-6);
       const double depth = view_j.CamFromWorld(point).z();
       const DepthRange around =
           DepthsAround(bvh, view_j, SeenAt(view_j, point), 2.5);

@@ -34,16 +34,16 @@ constexpr double kMinCosine = 0.1;
 
 // Compares a drawing with that of the same facets in a random order, where no
 // run of them can be left out.
-FacetIdBuffer ExpectAllIsDrawn(const View& view, const TriangleMesh& mesh,
-                               Random* random) {
+DrawnFacets ExpectAllIsDrawn(const View& view, const TriangleMesh& mesh,
+                             Random* random) {
   std::vector<uint32_t> order = Iota(mesh.facets.size());
   random->Shuffle(&order);
   TriangleMesh shuffled{mesh.vertices, {}};
   for (const uint32_t facet : order) {
     shuffled.facets.push_back(mesh.facets[facet]);
   }
-  const FacetIdBuffer all = DrawFacets(view, shuffled, kMinCosine);
-  FacetIdBuffer drawn = DrawFacets(view, mesh, kMinCosine);
+  const DrawnFacets all = DrawFacets(view, shuffled, kMinCosine);
+  DrawnFacets drawn = DrawFacets(view, mesh, kMinCosine);
   EXPECT_EQ(drawn.inverse_depths, all.inverse_depths);
   for (size_t i = 0; i < drawn.facets.size(); ++i) {
     EXPECT_EQ(drawn.facets[i],
@@ -105,7 +105,7 @@ TEST(FacetClusters, LeaveOutWhatIsHidden) {
       Union(MakeBodies(40, &random),
             Shifted(Scaled(MakeSheet(8, 8), 10), Vector3f(-40.2f, -40.3f, 5)));
   const View view = LookAt({0.1, 0.2, 30}, {0, 0, 0}, 320, 240, 240);
-  const FacetIdBuffer drawn = ExpectAllIsDrawn(view, mesh, &random);
+  const DrawnFacets drawn = ExpectAllIsDrawn(view, mesh, &random);
   EXPECT_LT(NumFacets(drawn.ranges),
             NumFacets(FacetClusters(mesh).InFrustum(view)) * 3 / 4);
   std::vector<bool> is_drawn(mesh.facets.size(), false);
@@ -115,14 +115,13 @@ TEST(FacetClusters, LeaveOutWhatIsHidden) {
         !IsFacing(mesh, mesh.facets[i], view.Center(), kMinCosine)) {
       continue;
     }
-    const double slope =
-        PlaneSlope(view, ComputeFacetFrame(mesh, mesh.facets[i]));
+    const double slope = PlaneSlope(view, mesh, mesh.facets[i]);
     for (const uint32_t vertex : mesh.facets[i]) {
       const Vector3d point =
           view.CamFromWorld(mesh.vertices[vertex].cast<double>());
       const Eigen::Vector2d pixel = view.ImageFromCam(point);
       EXPECT_TRUE(!IsWithin(view, pixel, 0) ||
-                  !IsNearest(view, drawn, i, slope, pixel.x(), pixel.y(),
+                  !IsNearest(view, mesh, drawn, i, slope, pixel.x(), pixel.y(),
                              1 / point.z()));
     }
   }

@@ -78,7 +78,7 @@ Hit Cast(const View& view, const TriangleMesh& mesh, int row, int col) {
 }
 
 void ExpectAsCast(const View& view, const TriangleMesh& mesh) {
-  const FacetIdBuffer drawn = DrawFacets(view, mesh, 0.1);
+  const DrawnFacets drawn = DrawFacets(view, mesh, 0.1);
   ASSERT_EQ(drawn.width, view.width);
   ASSERT_EQ(drawn.height, view.height);
   int num_clear = 0;
@@ -108,7 +108,7 @@ TEST(DrawFacets, ShowsWhatRaysMeetFirstAlsoOfARoom) {
                MakeRoundTorus(0.3f));
   for (const View& view : RoomViews()) {
     ExpectAsCast(view, MakeRoom());
-    const FacetIdBuffer drawn = DrawFacets(view, MakeRoom(), 0.1);
+    const DrawnFacets drawn = DrawFacets(view, MakeRoom(), 0.1);
     EXPECT_EQ(std::ranges::count(drawn.facets, kNone), 0);
     EXPECT_GT(drawn.clipped.size(), 0);
     EXPECT_EQ(drawn.clipped, FindClippedFacets(view, MakeRoom(), drawn.ranges));
@@ -134,7 +134,7 @@ TEST(DrawFacets, LetsTheNearestWinInWhateverOrderAndOfEqualsTheFirst) {
   Random random(2);
   const TriangleMesh mesh = RandomTriangles(40, &random);
   const View view = StraightView();
-  const FacetIdBuffer expected = DrawFacets(view, mesh, 0.1);
+  const DrawnFacets expected = DrawFacets(view, mesh, 0.1);
   std::vector<uint32_t> order = Iota(mesh.facets.size());
   for (int trial = 0; trial < 5; ++trial) {
     random.Shuffle(&order);
@@ -142,7 +142,7 @@ TEST(DrawFacets, LetsTheNearestWinInWhateverOrderAndOfEqualsTheFirst) {
     for (size_t i = 0; i < order.size(); ++i) {
       shuffled.facets[i] = mesh.facets[order[i]];
     }
-    const FacetIdBuffer drawn = DrawFacets(view, shuffled, 0.1);
+    const DrawnFacets drawn = DrawFacets(view, shuffled, 0.1);
     EXPECT_EQ(drawn.inverse_depths, expected.inverse_depths);
     for (size_t i = 0; i < drawn.facets.size(); ++i) {
       EXPECT_EQ(drawn.facets[i] == kNone ? kNone : order[drawn.facets[i]],
@@ -164,12 +164,12 @@ void ExpectCoveredOnce(const View& view, const TriangleMesh& mesh,
                        const Function& is_covered) {
   std::vector<int> counts(view.width * view.height, 0);
   for (const Facet& facet : mesh.facets) {
-    const FacetIdBuffer drawn = DrawFacets(view, {mesh.vertices, {facet}}, 0);
+    const DrawnFacets drawn = DrawFacets(view, {mesh.vertices, {facet}}, 0);
     for (size_t i = 0; i < counts.size(); ++i) {
       counts[i] += drawn.facets[i] == 0 ? 1 : 0;
     }
   }
-  const FacetIdBuffer whole = DrawFacets(view, mesh, 0);
+  const DrawnFacets whole = DrawFacets(view, mesh, 0);
   ForEachPixel(view, [&](int row, int col) {
     const size_t i = whole.Index(row, col);
     EXPECT_LE(counts[i], 1) << row << " " << col;
@@ -221,8 +221,8 @@ TEST(DrawFacets, ShowsBothSidesButOneFaces) {
   for (Facet& facet : turned.facets) {
     std::swap(facet[1], facet[2]);
   }
-  const FacetIdBuffer front = DrawFacets(StraightView(), mesh, 0);
-  const FacetIdBuffer back = DrawFacets(StraightView(), turned, 0);
+  const DrawnFacets front = DrawFacets(StraightView(), mesh, 0);
+  const DrawnFacets back = DrawFacets(StraightView(), turned, 0);
   EXPECT_EQ(front.facets, back.facets);
   EXPECT_EQ(front.inverse_depths, back.inverse_depths);
   for (const uint32_t facet : front.facets) {
@@ -252,10 +252,10 @@ TEST(DrawFacets, TellsWhichFaceTheCameraEnough) {
 TEST(DrawFacets, ShowsNothingBehindTheCamera) {
   Random random(6);
   const TriangleMesh mesh = RandomTriangles(10, &random);
-  const FacetIdBuffer front = DrawFacets(StraightView(), mesh, 0);
+  const DrawnFacets front = DrawFacets(StraightView(), mesh, 0);
   EXPECT_GT(std::ranges::count(front.is_facing, true), 0);
   // The same through the camera's center.
-  const FacetIdBuffer drawn = DrawFacets(StraightView(), Scaled(mesh, -1), 0);
+  const DrawnFacets drawn = DrawFacets(StraightView(), Scaled(mesh, -1), 0);
   EXPECT_EQ(drawn.facets, std::vector<uint32_t>(drawn.facets.size(), kNone));
   EXPECT_EQ(drawn.is_facing, std::vector<bool>(mesh.facets.size(), false));
   EXPECT_TRUE(drawn.clipped.empty());
@@ -266,7 +266,7 @@ TEST(DrawFacets, TakesNoMemoryForEachVertex) {
   constexpr size_t kNumVertices = 4000000;
   TriangleMesh mesh = {{PointAt(5, 5, 2), PointAt(25, 5, 2), PointAt(5, 25, 2)},
                        {{0, 1, 2}}};
-  const FacetIdBuffer expected = DrawFacets(StraightView(), mesh, 0);
+  const DrawnFacets expected = DrawFacets(StraightView(), mesh, 0);
   mesh.vertices.resize(kNumVertices, Vector3f(1, 1, 1));
   std::swap(mesh.vertices[0], mesh.vertices.back());
   mesh.facets[0][0] = kNumVertices - 1;
@@ -281,7 +281,7 @@ TEST(DrawFacets, ShowsNothingOfWhatHasNoAreaOrLiesBesideTheImage) {
   const TriangleMesh beside = {
       {PointAt(70, 5, 2), PointAt(90, 5, 2), PointAt(70, 25, 2)}, {{0, 1, 2}}};
   for (const TriangleMesh& mesh : {line, beside, TriangleMesh()}) {
-    const FacetIdBuffer drawn = DrawFacets(StraightView(), mesh, 0);
+    const DrawnFacets drawn = DrawFacets(StraightView(), mesh, 0);
     EXPECT_EQ(drawn.facets, std::vector<uint32_t>(64 * 48, kNone));
     EXPECT_EQ(drawn.is_facing.size(), mesh.facets.size());
   }
@@ -290,15 +290,80 @@ TEST(DrawFacets, ShowsNothingOfWhatHasNoAreaOrLiesBesideTheImage) {
 TEST(DrawFacets, DoesNotDependOnTheScale) {
   const TriangleMesh mesh = MakeRoundTorus(0.3f);
   View view = LookAt({1, 2, -3}, {0.1, 0, 0}, 60, 50, 70);
-  const FacetIdBuffer expected = DrawFacets(view, mesh, 0.1);
+  const DrawnFacets expected = DrawFacets(view, mesh, 0.1);
   view.cam_from_world_translation *= 1024;
-  FacetIdBuffer drawn = DrawFacets(view, Scaled(mesh, 1024), 0.1);
+  DrawnFacets drawn = DrawFacets(view, Scaled(mesh, 1024), 0.1);
   EXPECT_EQ(drawn.facets, expected.facets);
   EXPECT_EQ(drawn.is_facing, expected.is_facing);
   for (float& inverse_depth : drawn.inverse_depths) {
     inverse_depth *= 1024;
   }
   EXPECT_EQ(drawn.inverse_depths, expected.inverse_depths);
+}
+
+// Of facets that are drawn as a whole to the last bit but for rounding.
+TEST(DepthOf, IsWhatIsDrawn) {
+  Random random(3);
+  std::vector<std::pair<View, TriangleMesh>> scenes = {
+      {StraightView(), RandomTriangles(20, &random)},
+      {LookAt({1, 3, -2}, {0, 0, 0}, 100, 80, 120), MakeRoundTorus(0.15f)}};
+  for (const View& view : RoomViews()) {
+    scenes.emplace_back(view, MakeRoom());
+  }
+  for (const auto& [view, mesh] : scenes) {
+    const DrawnFacets drawn = DrawFacets(view, mesh, 0.1);
+    ForEachPixel(view, [&](int row, int col) {
+      const size_t pixel = drawn.Index(row, col);
+      const uint32_t facet = drawn.facets[pixel];
+      if (facet == kNone) {
+        return;
+      }
+      const double depth = 1 / drawn.inverse_depths[pixel];
+      // Corners of clipped parts are off by up to 1 / 512 px.
+      const double tolerance =
+          std::ranges::binary_search(drawn.clipped, facet)
+              ? 0.004 * PlaneSlope(view, mesh, mesh.facets[facet]) * depth
+              : 0;
+      EXPECT_NEAR(DepthOf(view, mesh, mesh.facets[facet]).At(row, col) * depth,
+                  1, 1e-6 + tolerance);
+    });
+  }
+}
+
+TEST(PlaneSlope, IsTheLargestDifferenceOfThePlanesDepth) {
+  const TriangleMesh mesh = {
+      {PointAt(5, 5, 2), PointAt(35, 15, 4), PointAt(15, 35, 3)}, {{0, 1, 2}}};
+  const View view = StraightView();
+  const Eigen::Vector3d by_pixel =
+      InverseDepthByPixel(view, mesh, mesh.facets[0]);
+  for (const Vector3f& vertex : mesh.vertices) {
+    const Eigen::Vector3d in_camera = view.CamFromWorld(vertex.cast<double>());
+    EXPECT_NEAR(by_pixel.dot(view.ImageFromCam(in_camera).homogeneous()) *
+                    in_camera.z(),
+                1, 1e-6);
+  }
+  double largest = 0;
+  for (const auto& [u, v] : {std::pair(1, 1), {1, -1}}) {
+    largest = std::max(largest, std::abs(by_pixel.dot(Vector3d(u, v, 0))));
+  }
+  EXPECT_NEAR(PlaneSlope(view, mesh, mesh.facets[0]), largest, 1e-12);
+}
+
+TEST(IsNearest, IsFalseWhereThePixelIsMasked) {
+  const TriangleMesh mesh = {
+      {PointAt(10, 10, 2), PointAt(10, 40, 2), PointAt(50, 10, 2)},
+      {{0, 1, 2}}};
+  const View view = StraightView();
+  DrawnFacets drawn = DrawFacets(view, mesh, 0);
+  GrayImage mask{view.width, view.height,
+                 std::vector<uint8_t>(drawn.facets.size(), 255)};
+  mask.pixels[drawn.Index(15, 15)] = 0;
+  EraseMasked(mask, &drawn);
+  const double slope = PlaneSlope(view, mesh, mesh.facets[0]);
+  EXPECT_EQ(drawn.facets[drawn.Index(15, 15)], kNone);
+  EXPECT_FALSE(IsNearest(view, mesh, drawn, 0, slope, 15.5, 15.5, 0.5));
+  EXPECT_TRUE(IsNearest(view, mesh, drawn, 0, slope, 16.5, 15.5, 0.5));
+  EXPECT_TRUE(IsNearest(view, mesh, drawn, 0, slope, 1.5, 1.5, 0.5));
 }
 
 // Of random points on a surface with parts before others: all that nothing lies
@@ -308,7 +373,7 @@ TEST(IsNearest, SeesWhatNothingLiesInFrontOf) {
   const Bvh bvh(mesh);
   Random random(7);
   const View view = LookAt({1, 3, -2}, {0, 0, 0}, 100, 80, 120);
-  const FacetIdBuffer drawn = DrawFacets(view, mesh, 0.1);
+  const DrawnFacets drawn = DrawFacets(view, mesh, 0.1);
   const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
   int num_visible = 0;
   int num_hidden = 0;
@@ -321,9 +386,9 @@ TEST(IsNearest, SeesWhatNothingLiesInFrontOf) {
     const Vector3d point = (1 - a - b) * first + a * second + b * third;
     const Vector3d in_camera = view.CamFromWorld(point);
     const Vector2d pixel = view.ImageFromCam(in_camera);
-    const bool is_nearest =
-        IsNearest(view, drawn, facet, PlaneSlope(view, frames[facet]),
-                  pixel.x(), pixel.y(), 1 / in_camera.z());
+    const bool is_nearest = IsNearest(
+        view, mesh, drawn, facet, PlaneSlope(view, mesh, mesh.facets[facet]),
+        pixel.x(), pixel.y(), 1 / in_camera.z());
     const DepthRange around = DepthsAround(bvh, view, pixel);
     const Vector3d ray = (view.Center() - point).normalized();
     if (std::abs(frames[facet].normal.dot(ray)) < 0.2) {
@@ -353,16 +418,15 @@ TEST(IsNearest, LeavesRoomForTwoPixels) {
     // The second facet by so many footprints behind the first.
     const double depth = 2 * (1 + margin / 64);
     const TriangleMesh mesh = Union(triangle(2), triangle(depth));
-    const FacetIdBuffer drawn = DrawFacets(StraightView(), mesh, 0);
-    const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
+    const DrawnFacets drawn = DrawFacets(StraightView(), mesh, 0);
     EXPECT_EQ(drawn.facets[drawn.Index(15, 15)], 0);
-    EXPECT_TRUE(IsNearest(StraightView(), drawn, 0,
-                          PlaneSlope(StraightView(), frames[0]), 15.5, 15.5,
-                          0.5));
-    EXPECT_EQ(
-        IsNearest(StraightView(), drawn, 1,
-                  PlaneSlope(StraightView(), frames[1]), 15.5, 15.5, 1 / depth),
-        margin < 2);
+    EXPECT_TRUE(IsNearest(StraightView(), mesh, drawn, 0,
+                          PlaneSlope(StraightView(), mesh, mesh.facets[0]),
+                          15.5, 15.5, 0.5));
+    EXPECT_EQ(IsNearest(StraightView(), mesh, drawn, 1,
+                        PlaneSlope(StraightView(), mesh, mesh.facets[1]), 15.5,
+                        15.5, 1 / depth),
+              margin < 2);
   }
 }
 

@@ -117,7 +117,7 @@ TEST(FindVisibleFacets, SeesWallsThatReachBehindTheCamera) {
   const std::vector<View> views = RoomViews();
   const FacetVisibility visibility = VisibleFacets(room, views);
   for (uint32_t i = 0; i < views.size(); ++i) {
-    const FacetIdBuffer drawn = DrawFacets(views[i], room, 0.1);
+    const DrawnFacets drawn = DrawFacets(views[i], room, 0.1);
     for (size_t facet = 0; facet < room.facets.size(); ++facet) {
       const bool is_clipped = std::ranges::binary_search(drawn.clipped, facet);
       if (is_clipped && std::ranges::count(drawn.facets, facet) > 500) {
@@ -186,10 +186,9 @@ TEST(VisibilityBuffers, AreThoseOfDrawFacets) {
     const VisibilityBuffers buffers(mesh, SmallViews(), 0.1, max_memory);
     buffers.DrawAhead();
     tbb::parallel_for(0, 12, [&](int i) {
-      const FacetIdBuffer expected = DrawFacets(SmallViews()[i % 3], mesh, 0.1);
+      const DrawnFacets expected = DrawFacets(SmallViews()[i % 3], mesh, 0.1);
       const auto drawn = buffers.Get(i % 3);
       EXPECT_EQ(drawn->facets, expected.facets);
-      EXPECT_EQ(drawn->inverse_depths, expected.inverse_depths);
       EXPECT_EQ(drawn->is_facing, expected.is_facing);
     });
   }

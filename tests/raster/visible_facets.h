@@ -87,7 +87,7 @@ inline std::vector<View> RoomViews() {
 template <typename Paint>
 GrayImage PaintedImage(const View& view, const TriangleMesh& mesh,
                        const Paint& paint) {
-  const FacetIdBuffer drawn = DrawFacets(view, mesh, 0);
+  const DrawnFacets drawn = DrawFacets(view, mesh, 0);
   GrayImage image{view.width, view.height, {}};
   ForEachPixel(view, [&](int row, int col) {
     const double inverse_depth = drawn.inverse_depths[drawn.Index(row, col)];

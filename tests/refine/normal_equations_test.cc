@@ -61,8 +61,7 @@ struct NormalEquationsTest : testing::Test {
   }
 
   double NumDetermined(double tolerance, int max_iterations) const {
-    return AsVector(Equations().Determined({tolerance, max_iterations}).values)
-        .sum();
+    return AsVector(Equations().Determined({tolerance, max_iterations})).sum();
   }
 
   NormalEquations Equations() const { return {surface_, domain_, plate_}; }
@@ -202,7 +201,7 @@ TEST_F(NormalEquationsTest, AreSolvedAsWithoutSparseness) {
     SetWeight(weight);
     const MatrixXd matrix = Photometric() + Smoothness();
     const VectorXd expected = -matrix.ldlt().solve(Gradient());
-    const VectorXd solution = AsVector(Equations().Solve({1e-9, 10000}).values);
+    const VectorXd solution = AsVector(Equations().Solve({1e-9, 10000}));
     EXPECT_LT((solution - expected).norm(), 1e-3 * expected.norm()) << weight;
     EXPECT_LT((matrix * solution + Gradient()).norm(), 1e-4 * Gradient().norm())
         << weight;
@@ -225,7 +224,7 @@ TEST_F(NormalEquationsTest, LeaveWhatNothingSpeaksOfWhereItIs) {
       terms_.facets[i].curvatures = {};
     }
   }
-  const std::vector<double> solution = Equations().Solve({1e-6, 1000}).values;
+  const std::vector<double> solution = Equations().Solve({1e-6, 1000});
   size_t num_left = 0;
   for (size_t i = 0; i < solution.size(); ++i) {
     EXPECT_EQ(solution[i] != 0, is_named[i]);
@@ -294,8 +293,7 @@ TEST_F(ClosedNormalEquationsTest, DetermineWhatTheImagesShow) {
     }
   }
   SetWeight(1e-3);
-  const std::vector<double> determined =
-      Equations().Determined({1e-8, 100000}).values;
+  const std::vector<double> determined = Equations().Determined({1e-8, 100000});
   double sums[2] = {};
   double counts[2] = {};
   for (size_t i = 0; i < determined.size(); ++i) {
@@ -315,8 +313,7 @@ TEST_F(LargeNormalEquationsTest, DoNotDependOnThreads) {
   ExpectSameForAnyThreads([&] {
     const NormalEquations equations = Equations();
     return std::tuple(equations.Gradient(), equations.Diagonal(),
-                      equations.Solve({0, 8}).values,
-                      equations.Determined({0, 8}).values);
+                      equations.Solve({0, 8}), equations.Determined({0, 8}));
   });
 }
 

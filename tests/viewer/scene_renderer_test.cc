@@ -63,7 +63,7 @@ TEST_F(SceneRendererTest, ShowsTheFacetsThatTheViewSees) {
   const auto hills = Hills(20);
   settings_.samples = 1;
   for (const View& view : {ViewFrom(), ViewFrom({1.4, 1.1, 0.6})}) {
-    const FacetIdBuffer drawn = DrawFacets(view, hills->mesh, 0);
+    const DrawnFacets drawn = DrawFacets(view, hills->mesh, 0);
     Draw(SceneOf(hills), view);
     int num_other = 0;
     int num_drawn = 0;
