@@ -14,7 +14,7 @@ namespace colmap_ext {
 void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
                         double gb_per_pixel, RefinementTile* tile) {
   // Fitted to the scenes of docs/results.md. The program:
-  constexpr double kBaseGb = 0.1;
+  constexpr double kBaseGb = 0.07;
   // A pixel of an image with what is drawn into it.
   constexpr double kGbPerImagePixel = 5e-9;
   // Each thread: what it compares with and projects by, a picture that it reads

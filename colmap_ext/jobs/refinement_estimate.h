@@ -9,8 +9,8 @@ namespace colmap_ext {
 
 // What a square pixel of surface takes, GB, as a rule; and at most, for jobs
 // whose memory is limited.
-inline constexpr double kUsualGbPerPixel = 6e-8;
-inline constexpr double kBoundGbPerPixel = 1.5e-7;
+inline constexpr double kUsualGbPerPixel = 5e-8;
+inline constexpr double kBoundGbPerPixel = 1.25e-7;
 
 // Sets what the job that refines a tile takes by `pixels` of surface: its
 // memory, that of each of its threads, and its time.
