@@ -20,7 +20,7 @@ class DisplacedWarp {
         offset_(patch.displacement * patch.footprint * patch.normal),
         pair_(i.view, j.view) {}
 
-  // The facet that the next calls are for.
+  // Sets the facet of the next calls.
   void SetFacet(uint32_t facet) {
     if (facet == facet_) {
       return;
@@ -72,7 +72,7 @@ class DisplacedWarp {
   uint32_t facet_ = kNone;
   bool is_facing_ = false;
   Eigen::Vector3d inverse_depth_;  // by (u, v, 1) in i
-  double drawn_factor_ = 1;        // from there to the inverse depth as drawn
+  double drawn_factor_ = 1;        // the drawn inverse depth over it
   double slope_ = 0;               // in j, see PlaneSlope()
 };
 

@@ -27,8 +27,9 @@ struct Projected {
   double inverse_depth = 0;
 };
 
-// \param point  in the camera's frame.
-Projected Project(const View& view, const Eigen::Vector3d& point) {
+// \param vertex  in the world frame.
+Projected Project(const View& view, const Eigen::Vector3d& vertex) {
+  const Eigen::Vector3d point = view.CamFromWorld(vertex);
   if (!(point.z() > 0)) {
     return {};
   }
@@ -63,8 +64,7 @@ class ProjectedVertices {
     Slot& slot = slots_[vertex & (slots_.size() - 1)];
     if (slot.vertex != vertex) {
       slot.vertex = vertex;
-      slot.projected = Project(
-          view_, view_.CamFromWorld(mesh_.vertices[vertex].cast<double>()));
+      slot.projected = Project(view_, mesh_.vertices[vertex].cast<double>());
     }
     return slot.projected;
   }
@@ -374,9 +374,8 @@ void EraseMasked(const GrayImage& mask, FacetIdBuffer* buffer) {
 DrawnDepth DepthOf(const View& view, const TriangleMesh& mesh,
                    const Facet& facet) {
   const auto [a, b, c] = CornersOf<double>(mesh, facet);
-  const std::array<Projected, 3> corners = {
-      Project(view, view.CamFromWorld(a)), Project(view, view.CamFromWorld(b)),
-      Project(view, view.CamFromWorld(c))};
+  const std::array<Projected, 3> corners = {Project(view, a), Project(view, b),
+                                            Project(view, c)};
   if (IsWhole(corners)) {
     return MakeDepth(corners, Area(corners));
   }
@@ -393,7 +392,7 @@ bool IsNearer(const View& view, const TriangleMesh& mesh, const Facet& facet,
         std::min(nearest, view.cam_from_world_rotation.row(2).dot(corner) +
                               view.cam_from_world_translation.z());
   }
-  // Mostly no corner is.
+  // Most facets have no corner that is.
   return nearest * inverse_depth < 1 &&
          DepthOf(view, mesh, facet).At(row, col) > inverse_depth;
 }

@@ -35,8 +35,8 @@ struct FacetIdBuffer {
   }
 };
 
-// And how near, which the facets tell too (DepthOf()): views that are kept do
-// without.
+// A drawing with its depths. Views that are kept drop them, since DepthOf()
+// computes them again.
 struct DrawnFacets : FacetIdBuffer {
   std::vector<float> inverse_depths;  // [height * width], 1 / scene unit; 0
                                       // where there is no facet
@@ -83,7 +83,7 @@ struct DrawnDepth {
 DrawnDepth DepthOf(const View& view, const TriangleMesh& mesh,
                    const Facet& facet);
 
-// Whether what a facet shows at a pixel is nearer than an inverse depth.
+// Whether a drawn facet is nearer than an inverse depth at a pixel's centre.
 // \pre as above
 bool IsNearer(const View& view, const TriangleMesh& mesh, const Facet& facet,
               int row, int col, double inverse_depth);

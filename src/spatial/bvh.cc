@@ -30,10 +30,10 @@ bool Any(Int4 mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 Float4 Min(Float4 a, Float4 b) { return a < b ? a : b; }
 Float4 Max(Float4 a, Float4 b) { return a > b ? a : b; }
 
-// The corners' weights in the point of a facet that is nearest to v: the foot
-// of the perpendicular if that lies on the facet, else on one of its sides.
-// Divides by positive values only, so that facets without area are no special
-// case. \param v, edge1, edge2  from the first corner
+// The corners' weights of the point of a facet that is nearest to v: the foot
+// of the perpendicular if it lies on the facet, else the nearest point of a
+// side. Facets without area are no special case: nothing is divided by 0.
+// \param v, edge1, edge2  from the first corner
 Vector3d NearestWeights(const Vector3d& v, const Vector3d& edge1,
                         const Vector3d& edge2) {
   const Vector3d normal = edge1.cross(edge2);
