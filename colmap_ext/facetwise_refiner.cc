@@ -119,6 +119,12 @@ class Refiner {
               fmt::format("{:.2f} of {:.1f} GB", memory_gb, machine_gb), log_);
     PrintText("time of all threads, estimated",
               fmt::format("{:.1f} min", run.core_seconds / 60), log_);
+    const double disk_gb = kDiskGbPerPixel * run.pixels;
+    PrintText("disk, estimated", fmt::format("{:.2f} GB", disk_gb), log_);
+    const fs::path folder = fs::absolute(paths_.output).parent_path();
+    if (1e9 * disk_gb > static_cast<double>(fs::space(folder).available)) {
+      PrintWarning("too little space may be left in " + folder.string(), log_);
+    }
     const double surface_gb = kUsualGbPerPixel * run.pixels;
     const double free_gb = machine_gb - (memory_gb - surface_gb);
     if (memory_gb > machine_gb) {
@@ -174,13 +180,9 @@ class Refiner {
   void Commit(const RefinedMesh& refined, AtomicFiles* files) {
     files->Sync();
     if (refined.alignment.IsRefined()) {
-      WriteSparseModel(
-          paths_.refined_sparse,
-          WithRefinedCameras(std::move(input_.sparse_model),
-                             input_.workspace.order.order.images, refined.views,
-                             options_.refinement.cameras.parts ==
-                                 RefinedParts::kPosesIntrinsics,
-                             refined.alignment.track_positions));
+      WriteRefinedCameras(paths_.refined_sparse,
+                          options_.refinement.cameras.parts, refined.views,
+                          refined.alignment.track_positions, &input_);
     }
     files->Commit();
     run_.RemoveFiles();

@@ -76,13 +76,9 @@ void RefineCameras(const RefinerOptions& options, const Plan& plan,
     return;
   }
   Report(progress, "Writing the cameras", 0);
-  WriteSparseModel(
-      RefinedSparsePath(plan.folder),
-      WithRefinedCameras(
-          std::move(input.sparse_model), input.workspace.order.order.images,
-          input.views,
-          options.refinement.cameras.parts == RefinedParts::kPosesIntrinsics,
-          alignment.track_positions));
+  WriteRefinedCameras(RefinedSparsePath(plan.folder),
+                      options.refinement.cameras.parts, input.views,
+                      alignment.track_positions, &input);
   refinement->radial_shifts = alignment.misalignment.radial_shifts;
   for (size_t i = 0; i < plan.views.size(); ++i) {
     refinement->views[i] =

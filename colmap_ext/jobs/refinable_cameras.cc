@@ -100,11 +100,12 @@ void SetSparseModel(SparseModel model, RefinementInput* input) {
   input->cameras = MakeRefinableCameras(*input);
 }
 
-SparseModel WithRefinedCameras(SparseModel model,
-                               const std::vector<size_t>& order,
-                               const std::vector<View>& views,
-                               bool has_intrinsics,
-                               const std::vector<Eigen::Vector3d>& positions) {
+void WriteRefinedCameras(const std::filesystem::path& folder,
+                         RefinedParts parts, const std::vector<View>& views,
+                         const std::vector<Eigen::Vector3d>& positions,
+                         RefinementInput* input) {
+  SparseModel model = std::move(input->sparse_model);
+  const std::vector<size_t>& order = input->workspace.order.order.images;
   std::map<uint32_t, size_t> view_indices;  // by image_id
   for (size_t i = 0; i < order.size(); ++i) {
     view_indices[model.images[order[i]].image_id] = i;
@@ -124,7 +125,7 @@ SparseModel WithRefinedCameras(SparseModel model,
     image.cam_from_world_rotation =
         Eigen::Quaterniond(view.cam_from_world_rotation).normalized();
     image.cam_from_world_translation = view.cam_from_world_translation;
-    if (has_intrinsics) {
+    if (parts == RefinedParts::kPosesIntrinsics) {
       SparseCamera& camera = model.cameras.at(image.camera_id);
       const View full = ResizeView(view, static_cast<int>(camera.width),
                                    static_cast<int>(camera.height));
@@ -138,7 +139,7 @@ SparseModel WithRefinedCameras(SparseModel model,
     model.exact_positions[i] = positions[i];
     model.point_positions[i] = positions[i].cast<float>();
   }
-  return model;
+  WriteSparseModel(folder, model);
 }
 
 }  // namespace colmap_ext

@@ -103,15 +103,13 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
 JobInputs RunInputs(const RefinerOptions& options, const RefinementPaths& paths,
                     const RefinementInput& input);
 
-// The model with other poses and points, and, if `has_intrinsics`, other
-// intrinsics, scaled to the cameras' sizes.
-// \param order  [views] the image of the model that each view is.
+// Writes the sparse model of the input, which is moved from, with what was
+// refined: poses and points, or also intrinsics, scaled to the cameras' sizes.
 // \param views  by the pictures' sizes, which may not be the cameras'.
 // \param positions  [P]
-SparseModel WithRefinedCameras(SparseModel model,
-                               const std::vector<size_t>& order,
-                               const std::vector<View>& views,
-                               bool has_intrinsics,
-                               const std::vector<Eigen::Vector3d>& positions);
+void WriteRefinedCameras(const std::filesystem::path& folder,
+                         RefinedParts parts, const std::vector<View>& views,
+                         const std::vector<Eigen::Vector3d>& positions,
+                         RefinementInput* input);
 
 }  // namespace colmap_ext

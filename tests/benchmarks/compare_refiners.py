@@ -4,7 +4,9 @@
 Each workspace (truth/mesh.ply beside the rest) is meshed once; the mesh is
 refined with each setting, measured by mesh_evaluator, and tabled in Markdown.
 `--fixed_point` also starts from the truth, as it is and moved by smooth waves
-of one pixel. `--timed WORKSPACE` tables only what a workspace takes.
+of one pixel. `--timed WORKSPACE` tables only what a workspace takes, and with
+`--measure_photographs` what its photographs say of the meshes: the mesher's,
+the refined one, and those in WORKSPACE/peers.
 """
 
 import argparse
@@ -97,7 +99,8 @@ def copy_workspace(workspace, folder):
     """What the commands read, as links."""
     copy = folder / workspace.name
     copy.mkdir()
-    for name in ("images", "sparse", "fused.ply", "fused.ply.vis", "truth"):
+    for name in ("images", "sparse", "fused.ply", "fused.ply.vis", "truth",
+                 "peers"):
         if (workspace / name).exists():
             (copy / name).symlink_to(workspace / name)
     return copy
@@ -187,12 +190,20 @@ def time_workspace(args, workspace, folder):
     mesh = mesh_workspace(args, workspace)
     rows = []
     for name in (DEFAULT, PAPER):
-        result = refine(args, workspace, mesh, folder / "refined.ply",
+        result = refine(args, workspace, mesh, folder / f"{name}.ply",
                         SETTINGS[name])
         rows.append([name, f"{result['wall']:.0f}", f"{result['cpu']:.0f}",
                      f"{result['peak']:.0f}", result["vertices"]])
     print_table(f"{workspace.name}: refinement",
                 ["", "wall s", "CPU s", "peak MB", "vertices"], rows)
+    if args.measure_photographs:
+        meshes = {"`delaunay_manifold_mesher`": mesh,
+                  "`facetwise_refiner`": folder / f"{DEFAULT}.ply"}
+        for peer in sorted((workspace / "peers").glob("*.ply")):
+            meshes[f"`{peer.stem}`"] = peer
+        print(checked([args.measure_photographs, workspace]
+                      + [f"{name}={path}" for name, path in meshes.items()]
+                      )["output"], flush=True)
 
 
 def main():
@@ -208,6 +219,7 @@ def main():
                         help="of the waves, scene units")
     parser.add_argument("--timed", action="append", default=[],
                         help="a workspace without truth")
+    parser.add_argument("--measure_photographs", metavar="PROGRAM")
     parser.add_argument("workspaces", nargs="*",
                         help="workspaces for the main settings")
     args = parser.parse_args()

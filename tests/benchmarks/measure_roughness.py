@@ -85,22 +85,28 @@ def roughness(points, pixel):
     return results
 
 
+def quartiles(workspace, meshes):
+    """[25th, 50th, 75th percentile] of the roughness of each mesh file."""
+    truth = read_ply(workspace / "truth" / "mesh.ply")
+    pixel = footprint(workspace / "truth", truth.vertices)
+    is_plane = find_planes(truth, pixel)
+    tree = cKDTree(truth.vertices)
+    for path in meshes:
+        points = sample(read_ply(path), pixel)
+        distances, nearest = tree.query(points)
+        points = points[is_plane[nearest] & (distances < 3 * pixel)]
+        yield np.percentile(roughness(points, pixel), [25, 50, 75])
+
+
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("workspace", type=pathlib.Path)
     parser.add_argument("meshes", nargs="+", type=pathlib.Path)
     options = parser.parse_args()
-    truth = read_ply(options.workspace / "truth" / "mesh.ply")
-    pixel = footprint(options.workspace / "truth", truth.vertices)
-    is_plane = find_planes(truth, pixel)
-    tree = cKDTree(truth.vertices)
-    for path in options.meshes:
-        points = sample(read_ply(path), pixel)
-        distances, nearest = tree.query(points)
-        points = points[is_plane[nearest] & (distances < 3 * pixel)]
-        quartiles = np.percentile(roughness(points, pixel), [25, 50, 75])
-        print(path, *(f"{value:.4f}" for value in quartiles))
+    results = quartiles(options.workspace, options.meshes)
+    for path, result in zip(options.meshes, results):
+        print(path, *(f"{value:.4f}" for value in result))
 
 
 if __name__ == "__main__":
