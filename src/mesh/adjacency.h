@@ -170,10 +170,17 @@ void LowerAlongEdges(const VertexRings& rings, float max, const Cost& cost,
                      std::vector<float>* values) {
   using Reached = std::pair<float, uint32_t>;
   std::priority_queue<Reached, std::vector<Reached>, std::greater<>> queue;
-  for (uint32_t i = 0; i < values->size(); ++i) {
-    if ((*values)[i] <= max) {
-      queue.emplace((*values)[i], i);
+  // Most vertices lower none of their neighbors.
+  std::vector<uint8_t> lowers(values->size());
+  tbb::parallel_for(size_t{0}, lowers.size(), [&](size_t i) {
+    for (const uint32_t neighbor : rings.neighbors[i]) {
+      const float reached =
+          (*values)[i] + cost(static_cast<uint32_t>(i), neighbor);
+      lowers[i] |= reached <= max && reached < (*values)[neighbor] ? 1 : 0;
     }
+  });
+  for (const uint32_t vertex : Marked(lowers)) {
+    queue.emplace((*values)[vertex], vertex);
   }
   while (!queue.empty()) {
     const auto [value, vertex] = queue.top();

@@ -215,12 +215,12 @@ size_t ApplyInOrder(size_t count, const Propose& propose,
                     const Corners& corners, const Apply& apply,
                     ChangedVertices* changed) {
   // Enough for all threads; few enough that most plans stay as they are.
-  constexpr size_t kBatch = 1024;
-  std::vector<decltype(propose(0))> plans(kBatch);
-  std::vector<decltype(corners(0))> vertices(kBatch);
+  const size_t batch = std::clamp<size_t>(count / 256, 1024, 65536);
+  std::vector<decltype(propose(0))> plans(batch);
+  std::vector<decltype(corners(0))> vertices(batch);
   size_t num_applied = 0;
-  for (size_t first = 0; first < count; first += kBatch) {
-    const size_t size = std::min(kBatch, count - first);
+  for (size_t first = 0; first < count; first += batch) {
+    const size_t size = std::min(batch, count - first);
     changed->Clear();
     tbb::parallel_for(size_t{0}, size, [&](size_t i) {
       plans[i] = propose(first + i);

@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/indices.h"
+#include "base/rows.h"
 #include "mesh/adjacency.h"
 #include "mesh/normals.h"
 #include "mesh/space_filling_curve.h"
@@ -84,30 +85,29 @@ VertexAttributes CarryAttributes(const TriangleMesh& mesh,
   if (!attributes.confidences.empty()) {
     carried.confidences = ValuesAt(points, mesh, attributes.confidences);
   }
-  for (const SurfacePoint& point : points) {
-    const Facet& facet = mesh.facets[point.facet];
+  carried.colors.resize(attributes.colors.empty() ? 0 : points.size());
+  const auto append = [&](size_t i, std::vector<uint32_t>* all) {
+    const Facet& facet = mesh.facets[points[i].facet];
     std::vector<uint32_t> views;
     Eigen::Vector3f color = Eigen::Vector3f::Zero();
     for (int k = 0; k < 3; ++k) {
-      if (!(point.weights[k] > 0)) {
+      const float weight = points[i].weights[k];
+      if (!(weight > 0)) {
         continue;
       }
       Append(attributes.views[facet[k]], &views);
-      for (int c = 0; c < 3 && !attributes.colors.empty(); ++c) {
-        color[c] += point.weights[k] *
-                    static_cast<float>(attributes.colors[facet[k]][c]);
+      for (int c = 0; c < 3 && !carried.colors.empty(); ++c) {
+        color[c] += weight * static_cast<float>(attributes.colors[facet[k]][c]);
       }
     }
     SortUnique(&views);
-    carried.views.AddRow(views);
-    if (!attributes.colors.empty()) {
-      Color& rounded = carried.colors.emplace_back();
-      for (int c = 0; c < 3; ++c) {
-        rounded[c] =
-            static_cast<uint8_t>(std::clamp(std::lround(color[c]), 0L, 255L));
-      }
+    Append(views, all);
+    for (int c = 0; c < 3 && !carried.colors.empty(); ++c) {
+      carried.colors[i][c] =
+          static_cast<uint8_t>(std::clamp(std::lround(color[c]), 0L, 255L));
     }
-  }
+  };
+  carried.views = MakeRows<uint32_t>(points.size(), append);
   return carried;
 }
 

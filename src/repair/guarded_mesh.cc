@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/indices.h"
+#include "base/rows.h"
 #include "base/union_find.h"
 #include "mesh/normals.h"
 
@@ -35,15 +36,16 @@ bool IsFoldedEdge(const TriangleMesh& mesh, uint32_t a, uint32_t b) {
 std::vector<FacetPair> FoldsOf(const TriangleMesh& mesh,
                                const std::vector<uint32_t>& partners,
                                const std::vector<uint32_t>& facets) {
-  std::vector<FacetPair> folds;
-  for (const uint32_t facet : facets) {
+  const auto append = [&](size_t i, std::vector<FacetPair>* folds) {
+    const uint32_t facet = facets[i];
     for (uint32_t half = 3 * facet; half < 3 * facet + 3; ++half) {
       if (IsFoldedHalfEdge(mesh, partners, half)) {
         const auto [low, high] = std::minmax({facet, partners[half] / 3});
-        folds.push_back({low, high});
+        folds->push_back({low, high});
       }
     }
-  }
+  };
+  auto folds = MakeRows<FacetPair>(facets.size(), append).values;
   SortUnique(&folds);
   return folds;
 }

@@ -201,26 +201,18 @@ class PatchRepair {
 std::vector<uint8_t> MarkAround(const TriangleMesh& mesh,
                                 const std::vector<uint32_t>& facets,
                                 int num_rings) {
-  std::vector<uint8_t> is_reached(mesh.vertices.size(), 0);
-  for (const uint32_t vertex : VerticesOf(mesh, facets)) {
-    is_reached[vertex] = 1;
-  }
-  const auto mark = [&] {
-    std::vector<uint8_t> is_marked(mesh.facets.size());
+  std::vector<uint8_t> is_reached(mesh.vertices.size());
+  std::vector<uint8_t> is_marked(mesh.facets.size());
+  std::vector<uint32_t> marked = facets;
+  for (int ring = 0; ring <= num_rings; ++ring) {
+    for (const uint32_t vertex : VerticesOf(mesh, marked)) {
+      is_reached[vertex] = 1;
+    }
     tbb::parallel_for(size_t{0}, is_marked.size(), [&](size_t i) {
       const auto& [a, b, c] = mesh.facets[i];
       is_marked[i] = is_reached[a] | is_reached[b] | is_reached[c];
     });
-    return is_marked;
-  };
-  std::vector<uint8_t> is_marked = mark();
-  for (int ring = 0; ring < num_rings; ++ring) {
-    for (size_t i = 0; i < is_marked.size(); ++i) {
-      for (const uint32_t vertex : mesh.facets[i]) {
-        is_reached[vertex] |= is_marked[i];
-      }
-    }
-    is_marked = mark();
+    marked = Marked(is_marked);
   }
   return is_marked;
 }

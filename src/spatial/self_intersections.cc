@@ -158,7 +158,7 @@ std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh,
   PairFinder finder(mesh);
   finder.AddFlat();
   // Trees of all parts at once would be most of the memory.
-  for (size_t i = 0; i < parts.size(); ++i) {
+  tbb::parallel_for(size_t{0}, parts.size(), [&](size_t i) {
     const FacetTree tree(mesh, parts[i]);
     finder.AddWithin(tree);
     for (size_t j = i + 1; j < parts.size(); ++j) {
@@ -166,7 +166,7 @@ std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh,
         finder.AddWith(tree, parts[j]);
       }
     }
-  }
+  });
   return finder.Collect();
 }
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from colmap_ext import read_ply
 from compare_meshers import checked, evaluate, print_table
-from compare_refiners import mesh_workspace, refine
+from compare_refiners import mesh_workspace
 from measure_growth import read_images, rotated
 from measure_roughness import quartiles
 
@@ -41,9 +41,12 @@ def accuracy(args, workspace, mesh):
     return ", ".join(f"{x:.3f}" for x in evaluate(args, workspace, mesh)[:2])
 
 
-def refined(args, workspace, mesh, setting=()):
+def refined(args, workspace, mesh, cameras="auto"):
     output = workspace / "refined.ply"
-    refine(args, workspace, mesh, output, list(setting))
+    checked([args.colmap, "facetwise_refiner", "--workspace_path", workspace,
+             "--input_path", mesh, "--output_path", output,
+             "--FacetwiseRefinement.backend", args.backend,
+             "--FacetwiseRefinement.refine_cameras", cameras])
     return output
 
 
@@ -117,8 +120,7 @@ def compare_poses(args, folder):
             disturb_poses(copy, noise)
             mesh = mesh_workspace(args, copy)
             rows.append([workspace.name, noise, accuracy(args, copy, mesh)] + [
-                accuracy(args, copy, refined(
-                    args, copy, mesh, ["refine_cameras", cameras]))
+                accuracy(args, copy, refined(args, copy, mesh, cameras))
                 for cameras in ("none", "auto")])
             shutil.rmtree(copy)
     print_table("poses that are off, 1e-3 units",
