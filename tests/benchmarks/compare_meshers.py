@@ -105,10 +105,13 @@ def ply_counts(path):
 def topology(args, path):
     if not args.check:
         return "-", "-"
-    output = subprocess.run([sys.executable, args.check, str(path)],
-                            capture_output=True, text=True).stdout
-    return (counted(output, "singular_vertices:"),
-            counted(output, "nonmanifold_edges:"))
+    result = subprocess.run([sys.executable, args.check, str(path)],
+                            capture_output=True, text=True)
+    counts = tuple(counted(result.stdout, name)
+                   for name in ("singular_vertices:", "nonmanifold_edges:"))
+    if "-" in counts:
+        sys.exit(f"{args.check} counted nothing:\n{result.stderr}")
+    return counts
 
 
 def evaluate(args, workspace, path):
