@@ -12,8 +12,8 @@ namespace colmap_ext {
 inline constexpr double kUsualGbPerPixel = 5e-8;
 inline constexpr double kBoundGbPerPixel = 1.25e-7;
 
-// The same of the disk: the mesh with its visibility, and what --resume goes on
-// by until it is written.
+// Disk space, GB per square pixel of surface: the mesh with its .vis, and the
+// state that --resume reads.
 inline constexpr double kDiskGbPerPixel = 6e-9;
 
 // Sets what the job that refines a tile takes by `pixels` of surface: its

@@ -170,7 +170,7 @@ void LowerAlongEdges(const VertexRings& rings, float max, const Cost& cost,
                      std::vector<float>* values) {
   using Reached = std::pair<float, uint32_t>;
   std::priority_queue<Reached, std::vector<Reached>, std::greater<>> queue;
-  // Most vertices lower none of their neighbors.
+  // Only vertices that lower a neighbor start: they are few.
   std::vector<uint8_t> lowers(values->size());
   tbb::parallel_for(size_t{0}, lowers.size(), [&](size_t i) {
     for (const uint32_t neighbor : rings.neighbors[i]) {

@@ -157,7 +157,7 @@ std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh,
   });
   PairFinder finder(mesh);
   finder.AddFlat();
-  // Trees of all parts at once would be most of the memory.
+  // Few trees at a time: those of all parts would be most of the memory.
   tbb::parallel_for(size_t{0}, parts.size(), [&](size_t i) {
     const FacetTree tree(mesh, parts[i]);
     finder.AddWithin(tree);

@@ -30,8 +30,8 @@ bool DoesPairIntersect(const TriangleMesh& mesh, const FacetPair& pair);
 // All signs are exact (spatial/predicates.h). This is what CGAL's
 // Polygon_mesh_processing::self_intersections() counts.
 //
-// Takes little memory beside the mesh, as one part of it after the other gets a
-// tree.
+// Takes little memory beside the mesh: only a few parts of it have a tree at a
+// time.
 // \param max_part_facets  of a part. The default is a choice.
 // \pre facet indices are in range, no facet repeats a vertex, vertices are
 //      finite

@@ -51,6 +51,7 @@ def refined(args, workspace, mesh, cameras="auto"):
 
 
 def make(args, folder, name, options=()):
+    folder.mkdir(exist_ok=True)
     workspace = folder / name
     checked([args.make_workspace, "--output_path", workspace, *SCENES[name],
              *options])
@@ -60,16 +61,13 @@ def make(args, folder, name, options=()):
 def compare_cameras(args, folder):
     rows, rough = [], None
     for name in SCENES:
-        meshes = []
-        for camera in ("plain", "photo"):
-            (folder / camera).mkdir(exist_ok=True)
-            workspace = make(args, folder / camera, name, ["--camera", camera])
-            meshes += [] if meshes else [mesh_workspace(args, workspace)]
-            meshes.append(refined(args, workspace, meshes[0]))
-        rows.append([name] + [accuracy(args, workspace, mesh)
-                              for mesh in meshes])
+        plain, photo = (make(args, folder / camera, name, ["--camera", camera])
+                        for camera in ("plain", "photo"))
+        mesh = mesh_workspace(args, plain)
+        meshes = [mesh, *(refined(args, each, mesh) for each in (plain, photo))]
+        rows.append([name] + [accuracy(args, plain, each) for each in meshes])
         if name == "plane":
-            rough = [f"{x[1]:.3f}" for x in quartiles(workspace, meshes)]
+            rough = [f"{x[1]:.3f}" for x in quartiles(plain, meshes)]
     rows.append(["roughness of the plane, px"] + rough)
     print_table("images as cameras take them, 1e-3 units",
                 ["", "mesher", "refined, `plain`", "refined, `photo`"], rows)
@@ -84,8 +82,7 @@ def disturb_poses(workspace, noise):
     focal_length = struct.unpack_from("<d", cameras, 8 + 24)[0]
     path = workspace / "sparse" / "images.bin"
     data = bytearray(path.read_bytes())
-    at = 8
-    for _, pose, _, name in read_images(workspace):
+    for _, pose, _, _ in read_images(workspace):
         rotation = np.array([rotated(pose[:4], axis) for axis in np.eye(3)])
         depth = np.median((points @ rotation)[:, 2] + pose[6])
         size = noise / (2 * focal_length)
@@ -93,10 +90,8 @@ def disturb_poses(workspace, noise):
         turn /= np.linalg.norm(turn)
         translation = (np.array(rotated(turn, pose[4:]))
                        + [depth * draw.gauss(0, size) for _ in range(3)])
-        struct.pack_into("<7d", data, at + 4, *multiply(turn, pose[:4]),
-                         *translation)
-        end = at + 64 + len(name.encode())
-        at = end + 9 + 24 * struct.unpack_from("<Q", data, end + 1)[0]
+        struct.pack_into("<7d", data, data.index(struct.pack("<7d", *pose)),
+                         *multiply(turn, pose[:4]), *translation)
     path.write_bytes(data)
 
 

@@ -48,38 +48,30 @@ def rounded(figure, unit):
     return figure and str(Decimal(figure).quantize(Decimal(unit), ROUND_HALF_UP))
 
 
-def joined(*cells):
-    return ", ".join(cell for cell in cells if cell)
-
-
 def side_by_side(figures, scene, command):
     """[accuracy, CPU s, wall s, peak MB, singular vertices] of a command."""
-    if command in ("`ReconstructMesh`", "`RefineMesh`"):
-        return [figures.find("OpenMVS 2.3", column, scene, command)
-                for column in ("mean, median acc.", "CPU s", "wall s", "peak MB",
-                               "singular vertices")]
-    if command == "`facetwise_refiner`":
-        titles = ("refinement, 1e-3 units", "refinement")
-        row = ["default"]
-        accuracy = ("refinement, 1e-3 units", "default")
-        singular = ("photographs", command)
-    else:
-        titles = ("2 threads",)
-        row = OURS if command == COMMANDS[2] else [command]
-        accuracy = (("refinement, 1e-3 units", "input") if command == COMMANDS[2]
-                    else ("accuracy, 1e-3 units", command))
-        singular = None
+    costs = ("CPU s", "wall s", "peak MB")
+    accuracy = ("mean acc.", "median acc.")
 
-    def first(column):
-        return next((figures.find(title, column, scene, name)
-                     for title in titles for name in row
-                     if figures.find(title, column, scene, name)), "")
-    return [
-        joined(*(figures.find(accuracy[0], column, scene, accuracy[1])
-                 for column in ("mean acc.", "median acc."))),
-        first("CPU s"), first("wall s"), first("peak MB"),
-        figures.find(singular[0], "singular vertices", scene, singular[1])
-        if singular else first("singular vertices")]
+    def first(column, *places):
+        """From the first (title, name of the row) that has it."""
+        found = (figures.find(title, column, scene, name) for title, name in places)
+        return next(filter(None, found), "")
+
+    if command in ("`ReconstructMesh`", "`RefineMesh`"):
+        return [first(column, ("OpenMVS 2.3", command))
+                for column in ("mean, median acc.", *costs)] + [""]
+    if command == "`facetwise_refiner`":
+        places = [("refinement, 1e-3 units", "default"), ("refinement", "default"),
+                  ("photographs", command)]
+    elif command == "`delaunay_manifold_mesher`":
+        places = [*(("2 threads", name) for name in OURS),
+                  ("refinement, 1e-3 units", "input")]
+    else:
+        places = [("2 threads", command), ("accuracy, 1e-3 units", command)]
+    errors = [first(column, *places) for column in accuracy]
+    return [", ".join(filter(None, errors)),
+            *(first(column, *places) for column in (*costs, "singular vertices"))]
 
 
 def side_by_side_table(figures):

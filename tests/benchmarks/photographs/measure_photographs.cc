@@ -28,6 +28,7 @@
 #include <Eigen/Geometry>
 
 #include "colmap_ext/colmap_compat.h"
+#include "evaluation/mesh_evaluation.h"
 #include "formats/errors.h"
 #include "formats/read_ply.h"
 #include "mesh/adjacency.h"
@@ -48,8 +49,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kRadius = 3;           // px, of a window
-constexpr int kWindowPixels = 49;    // of a window
+constexpr int kRadius = 3;  // px, of a window
+constexpr int kWindowPixels = (2 * kRadius + 1) * (2 * kRadius + 1);
 constexpr int kWindowStep = 2;       // px, between windows
 constexpr double kMinVariance = 16;  // of a window with texture, grey values^2
 constexpr int kBins = 2000;          // of correlations, from 0 to 1
@@ -97,30 +98,6 @@ struct ComparedMesh {
   }
 };
 
-// The depth of each pixel's center; NaN where the mesh is not seen.
-FloatImage DrawDepths(const View& view, const Bvh& bvh) {
-  FloatImage depths(static_cast<size_t>(view.width) * view.height,
-                    std::numeric_limits<float>::quiet_NaN());
-  tbb::parallel_for(0, view.height, [&](int row) {
-    RayPacket rays;
-    rays.origin = view.Center().cast<float>();
-    for (int first = 0; first < view.width; first += 4) {
-      for (int i = 0; i < 4; ++i) {
-        const int col = std::min(first + i, view.width - 1);
-        rays.SetDirection(i, RayDirection(view, col + 0.5, row + 0.5));
-      }
-      const HitPacket hit = bvh.Intersect(rays);
-      for (int i = 0; i < 4 && first + i < view.width; ++i) {
-        if (hit.facet[i] >= 0) {
-          depths[static_cast<size_t>(row) * view.width + first + i] =
-              hit.distance[i];
-        }
-      }
-    }
-  });
-  return depths;
-}
-
 Eigen::Vector3f PointAt(const View& view, int row, int col, float depth) {
   return view.Center().cast<float>() +
          depth * RayDirection(view, col + 0.5, row + 0.5);
@@ -146,11 +123,12 @@ float SampleAt(const Photograph& photograph, const Eigen::Vector2d& pixel) {
 
 // What `other` shows of the surface that `view` sees in each of its pixels; NaN
 // where it does not see it.
-FloatImage CarryOver(const View& view, const FloatImage& depths,
+FloatImage CarryOver(const View& view, const DepthMap& depths,
                      const Photograph& other, const Bvh& bvh) {
   // Of the way from the camera to the surface: what is nearer hides it.
   constexpr float kUntil = 1 - 2e-3f;
-  FloatImage carried(depths.size(), std::numeric_limits<float>::quiet_NaN());
+  FloatImage carried(depths.depths.size(),
+                     std::numeric_limits<float>::quiet_NaN());
   tbb::parallel_for(0, view.height, [&](int row) {
     RayPacket rays;
     rays.origin = other.view.Center().cast<float>();
@@ -164,11 +142,11 @@ FloatImage CarryOver(const View& view, const FloatImage& depths,
         if (col >= view.width) {
           continue;
         }
-        const size_t pixel = static_cast<size_t>(row) * view.width + col;
-        if (std::isnan(depths[pixel])) {
+        const float depth = depths.depths[depths.Index(row, col)];
+        if (depth == 0) {
           continue;
         }
-        const Eigen::Vector3f point = PointAt(view, row, col, depths[pixel]);
+        const Eigen::Vector3f point = PointAt(view, row, col, depth);
         const Eigen::Vector3d in_camera =
             other.view.CamFromWorld(point.cast<double>());
         if (in_camera.z() > 0) {
@@ -179,8 +157,7 @@ FloatImage CarryOver(const View& view, const FloatImage& depths,
       const HitPacket hit = bvh.Intersect(rays);
       for (int i = 0; i < 4 && first + i < view.width; ++i) {
         if (hit.facet[i] < 0) {
-          carried[static_cast<size_t>(row) * view.width + first + i] =
-              values[i];
+          carried[depths.Index(row, first + i)] = values[i];
         }
       }
     }
@@ -271,11 +248,11 @@ size_t CompareWindows(const Photograph& photograph,
 // Which background pixels lie between two pixels of the mesh that are close to
 // each other, along lines of pixels.
 // \param start, step  a line's pixels are start + i * step, 0 <= i < length
-void MarkSlits(const FloatImage& depths, size_t start, size_t step, int length,
-               std::vector<uint8_t>* is_slit) {
+void MarkSlits(const std::vector<float>& depths, size_t start, size_t step,
+               int length, std::vector<uint8_t>* is_slit) {
   int last = -1;
   for (int i = 0; i < length; ++i) {
-    if (std::isnan(depths[start + i * step])) {
+    if (depths[start + i * step] == 0) {
       continue;
     }
     if (last >= 0 && i - last - 1 < kSlitWidth) {
@@ -287,30 +264,30 @@ void MarkSlits(const FloatImage& depths, size_t start, size_t step, int length,
   }
 }
 
-void CountSlits(const View& view, const FloatImage& depths,
-                ComparedMesh* mesh) {
+void CountSlits(const DepthMap& map, ComparedMesh* mesh) {
+  const std::vector<float>& depths = map.depths;
   std::vector<uint8_t> is_slit(depths.size());
-  for (int row = 0; row < view.height; ++row) {
-    MarkSlits(depths, static_cast<size_t>(row) * view.width, 1, view.width,
-              &is_slit);
+  for (int row = 0; row < map.height; ++row) {
+    MarkSlits(depths, map.Index(row, 0), 1, map.width, &is_slit);
   }
-  for (int col = 0; col < view.width; ++col) {
-    MarkSlits(depths, col, view.width, view.height, &is_slit);
+  for (int col = 0; col < map.width; ++col) {
+    MarkSlits(depths, col, map.width, map.height, &is_slit);
   }
   mesh->num_slit_pixels += std::count(is_slit.begin(), is_slit.end(), 1);
-  mesh->num_mesh_pixels += std::count_if(
-      depths.begin(), depths.end(), [](float x) { return !std::isnan(x); });
+  mesh->num_mesh_pixels += std::count_if(depths.begin(), depths.end(),
+                                         [](float x) { return x != 0; });
 }
 
 // The images that an image is compared to, by the surface that it sees.
 std::vector<size_t> FindPartners(const std::vector<Photograph>& photographs,
-                                 size_t index, const FloatImage& depths) {
+                                 size_t index,
+                                 const std::vector<float>& depths) {
   constexpr size_t kMaxPartners = 3;
   double sum = 0;
   size_t num_seen = 0;
   for (const float depth : depths) {
-    sum += std::isnan(depth) ? 0 : depth;
-    num_seen += std::isnan(depth) ? 0 : 1;
+    sum += depth;
+    num_seen += depth == 0 ? 0 : 1;
   }
   if (num_seen == 0) {
     return {};
@@ -345,12 +322,12 @@ size_t Compare(const std::vector<Photograph>& photographs,
   size_t num_windows = 0;
   for (size_t i = 0; i < photographs.size(); ++i) {
     const Photograph& photograph = photographs[i];
-    std::vector<FloatImage> depths;
+    std::vector<DepthMap> depths;
     for (ComparedMesh& mesh : *meshes) {
-      depths.push_back(DrawDepths(photograph.view, *mesh.bvh));
-      CountSlits(photograph.view, depths.back(), &mesh);
+      depths.push_back(RenderDepths(*mesh.bvh, photograph.view, 1));
+      CountSlits(depths.back(), &mesh);
     }
-    for (const size_t k : FindPartners(photographs, i, depths[0])) {
+    for (const size_t k : FindPartners(photographs, i, depths[0].depths)) {
       std::vector<FloatImage> carried;
       for (size_t m = 0; m < meshes->size(); ++m) {
         carried.push_back(CarryOver(photograph.view, depths[m], photographs[k],
