@@ -7,8 +7,8 @@
 
 #include <Eigen/Geometry>
 
-#include "base/indices.h"
 #include "mesh/triangle_mesh.h"
+#include "spatial/facet_tree.h"
 
 namespace colmap_ext {
 
@@ -86,10 +86,9 @@ struct HitPacket {
   Int4 facet;       // index in the mesh; -1: no hit
 };
 
-// A bounding volume hierarchy over the facets of a mesh, split by the surface
-// area heuristic in bins [Wald2007] and traversed by packets of four rays. Rays
-// meet facets by the test of [Moeller1997].
-class Bvh {
+// Finds the facets of a mesh that rays, in packets of four, meet by the test of
+// [Moeller1997], and those nearest to points.
+class Bvh : FacetTree {
  public:
   // Facets may be degenerate: one that repeats a vertex three times is a point.
   // \pre F < 2^31; facet indices are in range, the facets' vertices are finite
@@ -118,29 +117,21 @@ class Bvh {
               double max_distance) const;
 
  private:
-  static constexpr int kMaxDepth = 64;  // of the tree
-
-  struct Node {
-    Eigen::Vector3f min, max;  // of the facets' bounding box
-    uint32_t next;             // leaf: its first facet; else the far child
-    uint16_t num_facets;       // leaf: > 0; else 0, the near child follows
-    uint16_t axis;             // inner node: that of the split
-  };
   struct Corner {  // the first of a facet, and the edges from it to the others
     Eigen::Vector3f point, edge1, edge2;
   };
-  struct Builder;
 
-  // Whether a ray enters the node's box before its nearest hit so far.
-  static bool MeetsBox(const Node& node, const RayPacket& rays,
-                       const Float4 (&inverse)[3], const Float4& nearest);
+  // Where the first ray enters a box before its nearest hit so far; the
+  // packet's max_distance where none does.
+  static float Entry(const Box& box, const RayPacket& rays,
+                     const Float4 (&inverse)[3], const Float4& nearest);
   static void IntersectFacet(const Corner& corner, uint32_t facet,
                              const RayPacket& rays, HitPacket* hit);
   static double DistanceSquared(const Corner& corner,
                                 const Eigen::Vector3d& point);
-  static double DistanceSquared(const Node& node, const Eigen::Vector3d& point);
+  static double DistanceSquared(const Box& box, const Eigen::Vector3d& point);
 
-  bool Faces(uint32_t i, const Eigen::Vector3f& normal) const {
+  bool Faces(size_t i, const Eigen::Vector3f& normal) const {
     return corners_[i].edge1.cross(corners_[i].edge2).dot(normal) > 0;
   }
 
@@ -152,9 +143,7 @@ class Bvh {
                                       double max_distance,
                                       const Accepts& accepts) const;
 
-  std::vector<Node> nodes_;
-  std::vector<Corner> corners_;   // [F], in the order of the leaves
-  std::vector<uint32_t> facets_;  // [F], in the order of the leaves
+  std::vector<Corner> corners_;  // [F], in the order of the leaves
 };
 
 }  // namespace colmap_ext

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -94,12 +96,48 @@ class FacetTree {
     });
   }
 
- private:
+ protected:
+  // Calls visit(first, last) for the places of the facets of the leaves whose
+  // bounds are below a limit, those with lower bounds first. It returns the
+  // limit from then on.
+  // \param bound_of  of a box: not above that of a box within it
+  template <typename Limit, typename BoundOf, typename Visit>
+  void VisitNearestFirst(Limit limit, const BoundOf& bound_of,
+                         const Visit& visit) const {
+    constexpr size_t kMaxDepth = 32;
+    std::array<std::pair<Limit, size_t>, kMaxDepth + 1> stack;
+    size_t size = 0;
+    stack[size++] = {bound_of(nodes_[0]), 0};
+    while (size > 0) {
+      const auto [bound, node] = stack[--size];
+      if (!(bound < limit)) {
+        continue;
+      }
+      if (node + 1 >= NumLeaves()) {
+        const size_t leaf = node + 1 - NumLeaves();
+        limit = visit(First(leaf), First(leaf + 1));
+        continue;
+      }
+      std::pair near{bound_of(nodes_[2 * node + 1]), 2 * node + 1};
+      std::pair far{bound_of(nodes_[2 * node + 2]), 2 * node + 2};
+      if (far.first < near.first) {
+        std::swap(near, far);
+      }
+      stack[size++] = far;
+      stack[size++] = near;
+    }
+  }
+
   // The first facet of a leaf, in the order of the leaves.
   size_t First(size_t leaf) const {
     return leaf * facets_.size() / NumLeaves();
   }
 
+  std::vector<Box> nodes_;        // a power of two of leaves, the last ones
+  std::vector<uint32_t> facets_;  // [F], in the order of the leaves
+  std::vector<Box> boxes_;        // [F], in the order of the leaves
+
+ private:
   // The leaf that holds a place: the last one whose first place is not beyond.
   size_t LeafOf(size_t place) const {
     return ((place + 1) * NumLeaves() - 1) / facets_.size();
@@ -125,9 +163,6 @@ class FacetTree {
     ForEachLeafIn(box, start, 2 * node + 2, middle, last, function);
   }
 
-  std::vector<Box> nodes_;        // a power of two of leaves, the last ones
-  std::vector<uint32_t> facets_;  // [F], in the order of the leaves
-  std::vector<Box> boxes_;        // [F], in the order of the leaves
   std::vector<uint32_t> places_;  // [F] index of each facet in facets_;
                                   // empty of a tree of some
 };
