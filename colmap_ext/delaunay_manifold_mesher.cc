@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <iostream>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
@@ -90,16 +92,36 @@ void PrintPixels(const MesherOptions& options, const Workspace& workspace,
   }
 }
 
+// The ends of rays to the depth maps, each with its view.
+PointCloud ReadDepthEnds(const Workspace& workspace) {
+  const std::vector<View>& views = workspace.views;
+  const auto read_depths =
+      DepthMapReader(workspace.report.path / "stereo" / "depth_maps", views);
+  std::vector<std::vector<Eigen::Vector3f>> ends(views.size());
+  tbb::parallel_for(size_t{0}, views.size(), [&](size_t i) {
+    ends[i] = DepthRayEnds(views[i], read_depths(i));
+  });
+  PointCloud all;
+  for (uint32_t i = 0; i < ends.size(); ++i) {
+    for (const Eigen::Vector3f& end : ends[i]) {
+      all.positions.push_back(end);
+      all.views.AddRow(std::array{i});
+    }
+  }
+  return all;
+}
+
 // What the masks say.
 struct Masked {
   std::optional<MaskReport> report;  // nothing without masks
   RayEnds ends;                      // of rays through the background
 };
 
-// Takes masked points out of the workspace.
+// Takes masked points out of the workspace, and of others.
 Masked MaskWorkspace(const MesherOptions& options,
                      const std::optional<Region>& region,
-                     const Progress& progress, Workspace* workspace) {
+                     const Progress& progress, Workspace* workspace,
+                     PointCloud* depth_ends) {
   if (options.scene.mask_path.empty()) {
     return {};
   }
@@ -109,6 +131,7 @@ Masked MaskWorkspace(const MesherOptions& options,
       MaskReader(options.scene.mask_path, views, ColmapPictureDecoder());
   Masked masked;
   masked.report = MaskCloud(read_mask, views, &workspace->cloud);
+  MaskCloud(read_mask, views, depth_ends);
   if (workspace->cloud.size() == 0) {
     throw FileError(options.scene.mask_path, "all points are masked");
   }
@@ -128,15 +151,15 @@ struct MesherInput {
   std::optional<HalfPixelReport> half_pixel;
   ManifoldMeshingOptions meshing;
   Masked masked;
+  PointCloud depth_ends;  // see ReadDepthEnds()
 };
 
 MesherInput ReadInput(const MesherOptions& options, const Progress& progress) {
   Report(progress, "Reading the workspace", 0);
-  MesherInput input{ReadWorkspace(options.InputPath(), options.workspace,
-                                  ColmapPictureDecoder()),
-                    {},
-                    options.meshing,
-                    {}};
+  MesherInput input;
+  input.workspace = ReadWorkspace(options.InputPath(), options.workspace,
+                                  ColmapPictureDecoder());
+  input.meshing = options.meshing;
   // Sparse points come from features, which do not have the error.
   if (options.half_pixel != HalfPixelCorrection::kOff &&
       options.workspace.input_type == InputType::kDense) {
@@ -145,8 +168,12 @@ MesherInput ReadInput(const MesherOptions& options, const Progress& progress) {
   }
   input.meshing.region = options.scene.region.Resolve(
       input.workspace.views, input.workspace.sparse_points);
-  input.masked =
-      MaskWorkspace(options, input.meshing.region, progress, &input.workspace);
+  if (options.carve_with_depth_maps) {
+    Report(progress, "Reading depth maps", 0);
+    input.depth_ends = ReadDepthEnds(input.workspace);
+  }
+  input.masked = MaskWorkspace(options, input.meshing.region, progress,
+                               &input.workspace, &input.depth_ends);
   return input;
 }
 
@@ -172,7 +199,7 @@ void MeshWorkspace(const MesherOptions& options, Console* console) {
   const PointCloud shown = has_page ? input.workspace.cloud : PointCloud();
   const ManifoldMesh mesh =
       MeshManifold(input.meshing, std::move(input.workspace.cloud), views,
-                   progress, input.masked.ends);
+                   progress, input.masked.ends, std::move(input.depth_ends));
   Report(progress, "Writing the mesh", 0);
   AtomicFiles files;
   WriteMesh(output_path, mesh.mesh, mesh.attributes, options.scene.transform,

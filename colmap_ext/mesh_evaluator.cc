@@ -13,7 +13,6 @@
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "formats/picture_files.h"
-#include "formats/read_arrays.h"
 #include "formats/read_ply.h"
 #include "formats/write_mesh.h"
 #include "pictures/pictures.h"
@@ -62,25 +61,6 @@ EvaluatedViews ReadEvaluatedViews(const EvaluatorOptions& options) {
 }
 
 // \pre views outlive what is returned
-Truth ReadDepthMaps(const fs::path& folder, const std::vector<View>& views) {
-  RefuseIf(
-      views.empty(),
-      "a --truth_path of depth maps needs --workspace_path, which has their "
-      "cameras");
-  if (std::ranges::all_of(views, [&](const View& view) {
-        return FindDepthMap(folder, view.name).empty();
-      })) {
-    throw FileError(folder, "it has no depth map of any image, such as " +
-                                views[0].name + ".geometric.bin");
-  }
-  Truth truth;
-  truth.depth_maps = [folder, &views](size_t view) {
-    const fs::path path = FindDepthMap(folder, views[view].name);
-    return path.empty() ? DepthMap() : ReadDepthMap(path);
-  };
-  return truth;
-}
-
 Truth ReadTruth(const EvaluatorOptions& options,
                 const std::vector<View>& views) {
   if (!fs::is_directory(options.truth_path)) {
@@ -89,7 +69,13 @@ Truth ReadTruth(const EvaluatorOptions& options,
   RefuseIf(!options.error_mesh_path.empty() || !options.picture_path.empty(),
            "--error_mesh_path and --picture_path need a mesh or points as the "
            "truth, not depth maps");
-  return ReadDepthMaps(options.truth_path, views);
+  RefuseIf(
+      views.empty(),
+      "a --truth_path of depth maps needs --workspace_path, which has their "
+      "cameras");
+  Truth truth;
+  truth.depth_maps = DepthMapReader(options.truth_path, views);
+  return truth;
 }
 
 TriangleMesh ReadMesh(const EvaluatorOptions& options) {

@@ -26,6 +26,10 @@ void AddPathOptions(CommandOptions* options, MesherOptions* mesher) {
       "input_type", &mesher->workspace.input_type,
       {{"dense", InputType::kDense}, {"sparse", InputType::kSparse}},
       "Mesh the fused points, or the points of the sparse model");
+  options->Add(std::string(kMeshingSection) + "carve_with_depth_maps",
+               &mesher->carve_with_depth_maps,
+               "Carve free space along all depths of stereo/depth_maps, fused "
+               "or not: less false surface, and less that few images see");
   options->Add("plan_path", &mesher->plan_path,
                "Plan folder of mesh_planner. With tile: mesh this tile of it, "
                "with the options of the plan");

@@ -30,6 +30,7 @@ struct MesherOptions {
   int tile = -1;            // of the plan
   SceneOptions scene;
   bool mask_background = false;  // rays through masked pixels are free space
+  bool carve_with_depth_maps = false;  // read stereo/depth_maps
   WorkspaceOptions workspace;
   ManifoldMeshingOptions meshing;
 

@@ -32,6 +32,7 @@ void PrintCells(const ManifoldMeshingReport& report, ReportLog* log) {
   PrintIfAny("  outside of the region", report.num_outside_points, log);
   PrintIfAny("  of weaker layers of walls", report.num_weaker_points, log);
   PrintIfAny("rays beyond", report.num_ray_ends, log);
+  PrintIfAny("rays to depth maps", report.num_depth_rays, log);
   Print("observations", report.num_observations, log);
   Print("vertices, after thinning", report.num_vertices, log);
   Print("cells", report.num_cells, log);

@@ -119,13 +119,16 @@ class Voter {
                   observations_.IsEnd(vertex) ? 0 : near_distance_));
     }
     WalkRays(tetrahedra_, rays_, front_);
-    for (size_t i = 0; i < batch.size(); ++i) {
-      rays_[i] = RayBehind(batch[i]);
+    if (!observations_.are_free) {
+      for (size_t i = 0; i < batch.size(); ++i) {
+        rays_[i] = RayBehind(batch[i]);
+      }
+      WalkRays(tetrahedra_, rays_, behind_);
     }
-    WalkRays(tetrahedra_, rays_, behind_);
     for (size_t i = 0; i < batch.size(); ++i) {
       ++report_.num_rays;
-      if (front_[i].end == kNone || behind_[i].end == kNone) {
+      if (front_[i].end == kNone ||
+          (!observations_.are_free && behind_[i].end == kNone)) {
         ++report_.num_lost_rays;
         continue;
       }
@@ -179,7 +182,7 @@ class Voter {
       for (const Crossing& crossing : behind.crossings) {
         AddToArc(weight, crossing.exit_arc);
       }
-    } else {
+    } else if (!observations_.are_free) {
       PushAlong(behind, ray, &Crossing::entry_arc, &NodeCapacities::sink);
     }
   }

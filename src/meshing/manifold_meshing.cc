@@ -1,6 +1,7 @@
 #include "meshing/manifold_meshing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 #include <stdexcept>
@@ -41,6 +42,16 @@ WeightedCloud Prepare(const ManifoldMeshingOptions& options, PointCloud cloud,
   return weighted;
 }
 
+Observations ObserveDepths(PointCloud ends) {
+  Observations observations;
+  for (const uint32_t view : ends.views.values) {
+    observations.AddRow(std::array{Observation{view, kDepthRayWeight}});
+  }
+  observations.points = std::move(ends.positions);
+  observations.are_free = true;
+  return observations;
+}
+
 // The graph whose minimum cut is the surface [Romanoni2020, section IV].
 // \param is_end [V] see MarkEnds()
 FlowCapacities MakeGraph(const ManifoldMeshingOptions& options,
@@ -48,7 +59,7 @@ FlowCapacities MakeGraph(const ManifoldMeshingOptions& options,
                          const std::vector<uint8_t>& is_end,
                          const std::vector<View>& views,
                          const ThinnedTetrahedralization& thinned,
-                         const Progress& progress,
+                         PointCloud depth_ends, const Progress& progress,
                          ManifoldMeshingReport* report) {
   const Tetrahedralization& tetrahedra = thinned.tetrahedra;
   Report(progress, "Weighing facets", 0);
@@ -71,9 +82,15 @@ FlowCapacities MakeGraph(const ManifoldMeshingOptions& options,
       ObserveVertices(weighted.cloud, tetrahedra.points.size(),
                       thinned.point_vertices, weighted.weights);
   observations.is_end = is_end;
-  report->rays = AddVisibilityWeights(
-      tetrahedra, observations, centers,
-      {report->distance_sigma, options.behind_sigma}, &graph, progress);
+  const VisibilityWeightOptions rays = {report->distance_sigma,
+                                        options.behind_sigma};
+  report->rays = AddVisibilityWeights(tetrahedra, observations, centers, rays,
+                                      &graph, progress);
+  if (depth_ends.size() > 0) {
+    report->rays +=
+        AddVisibilityWeights(tetrahedra, ObserveDepths(std::move(depth_ends)),
+                             centers, rays, &graph, progress);
+  }
   return graph;
 }
 
@@ -110,7 +127,7 @@ FixingReport Fix(const ManifoldMeshingOptions& options,
 ExtractedSurface CutSurface(const ManifoldMeshingOptions& options,
                             PointCloud cloud, const std::vector<View>& views,
                             const Progress& progress, const RayEnds& ends,
-                            SurfacePoints* points,
+                            PointCloud depth_ends, SurfacePoints* points,
                             ManifoldMeshingReport* report) {
   WeightedCloud weighted =
       Prepare(options, std::move(cloud), views, ends, progress, report);
@@ -129,8 +146,9 @@ ExtractedSurface CutSurface(const ManifoldMeshingOptions& options,
         std::span(weighted.cloud.positions).first(weighted.num_points),
         thinned.tetrahedra.points);
   }
-  FlowCapacities graph = MakeGraph(options, weighted, points->is_end, views,
-                                   thinned, progress, report);
+  FlowCapacities graph =
+      MakeGraph(options, weighted, points->is_end, views, thinned,
+                std::move(depth_ends), progress, report);
   // The cut needs most memory: what is no longer needed is freed first.
   Tetrahedralization tetrahedra = std::move(thinned.tetrahedra);
   points->attributes =
@@ -163,15 +181,17 @@ std::vector<float> ObservationWeights(const ManifoldMeshingOptions& options,
 
 ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
                           PointCloud cloud, const std::vector<View>& views,
-                          const Progress& progress, const RayEnds& ends) {
+                          const Progress& progress, const RayEnds& ends,
+                          PointCloud depth_ends) {
   if (cloud.views.values.empty()) {
     throw std::invalid_argument("no view sees any point: nothing to mesh");
   }
   ManifoldMesh result;
+  result.report.num_depth_rays = depth_ends.size();
   SurfacePoints points;
   ExtractedSurface extracted =
-      CutSurface(options, std::move(cloud), views, progress, ends, &points,
-                 &result.report);
+      CutSurface(options, std::move(cloud), views, progress, ends,
+                 std::move(depth_ends), &points, &result.report);
   FinishSurface(options, std::move(extracted), std::move(points), views,
                 progress, &result);
   return result;

@@ -100,6 +100,7 @@ struct ManifoldMeshingReport {
   size_t num_outside_points = 0;    // of them outside of the region
   size_t num_weaker_points = 0;     // dropped, of walls that are there twice
   size_t num_ray_ends = 0;          // of rays that meet no surface
+  size_t num_depth_rays = 0;        // to depth maps, through free space
   size_t num_observations = 0;      // of them by the views
   size_t num_duplicate_points = 0;  // at the very position of another
   size_t num_vertices = 0;          // of the tetrahedralization
@@ -142,6 +143,8 @@ std::vector<float> ObservationWeights(const ManifoldMeshingOptions& options,
 // number of threads.
 //
 // \param ends  of more rays that meet no surface
+// \param depth_ends  of rays through free space to depth maps, each with its
+//        view; they do not become vertices
 // \pre all positions are finite, view indices < views.size(), options in their
 //      ranges.
 // \throw std::invalid_argument where the points do not span a volume, or no
@@ -151,6 +154,6 @@ std::vector<float> ObservationWeights(const ManifoldMeshingOptions& options,
 ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
                           PointCloud cloud, const std::vector<View>& views,
                           const Progress& progress = {},
-                          const RayEnds& ends = {});
+                          const RayEnds& ends = {}, PointCloud depth_ends = {});
 
 }  // namespace colmap_ext

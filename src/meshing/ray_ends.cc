@@ -142,6 +142,27 @@ RayEnds BackgroundEnds(const Region& region, const View& view,
   return ends;
 }
 
+std::vector<Eigen::Vector3f> DepthRayEnds(const View& view,
+                                          const DepthMap& depths) {
+  constexpr double kBefore = 4;  // px
+  const View scaled = ResizeView(view, depths.width, depths.height);
+  const Eigen::Vector3f center = view.Center().cast<float>();
+  const auto share = static_cast<float>(1 - kBefore / scaled.fx);
+  std::vector<Eigen::Vector3f> ends;
+  for (int row = kDepthSpacing / 2; row < depths.height; row += kDepthSpacing) {
+    for (int col = kDepthSpacing / 2; col < depths.width;
+         col += kDepthSpacing) {
+      const float depth = depths.depths[depths.Index(row, col)];
+      const Eigen::Vector3f end =
+          center + share * depth * RayDirection(scaled, col + 0.5, row + 0.5);
+      if (depth > 0 && IsMeasurable(end)) {
+        ends.push_back(end);
+      }
+    }
+  }
+  return ends;
+}
+
 void AppendEnds(const RayEnds& ends, WeightedCloud* weighted) {
   PointCloud& cloud = weighted->cloud;
   for (const RayEnd& end : ends) {

@@ -13,6 +13,7 @@
 
 #include "base/lru_cache.h"
 #include "formats/errors.h"
+#include "formats/read_arrays.h"
 #include "workspace/workspace.h"
 
 namespace colmap_ext {
@@ -117,6 +118,20 @@ ReadGrayImage MaskReader(const fs::path& folder, const std::vector<View>& views,
   return [folder, views, decoder](size_t view) {
     const fs::path path = FindMask(folder, views[view].name);
     return path.empty() ? GrayImage() : ReadMask(path, views[view], decoder);
+  };
+}
+
+std::function<DepthMap(size_t view)> DepthMapReader(
+    const fs::path& folder, const std::vector<View>& views) {
+  if (std::ranges::all_of(views, [&](const View& view) {
+        return FindDepthMap(folder, view.name).empty();
+      })) {
+    throw FileError(folder, "it has no depth map of any image, such as " +
+                                views[0].name + ".geometric.bin");
+  }
+  return [folder, &views](size_t view) {
+    const fs::path path = FindDepthMap(folder, views[view].name);
+    return path.empty() ? DepthMap() : ReadDepthMap(path);
   };
 }
 

@@ -27,6 +27,15 @@ ReadGrayImage MaskReader(const std::filesystem::path& folder,
                          const std::vector<View>& views,
                          const PictureDecoder& decoder);
 
+// Reads the depth maps of views from a folder; empty ones of views without a
+// file.
+//
+// \pre there are views; they outlive the result
+// \throw FileError if no view has a depth map; when one is read, as
+//        ReadDepthMap().
+std::function<DepthMap(size_t view)> DepthMapReader(
+    const std::filesystem::path& folder, const std::vector<View>& views);
+
 // Keeps the masks that were read, a bit a pixel, so that they are decoded once
 // as far as memory allows.
 // \param max_memory  of the masks that are kept, bytes

@@ -25,6 +25,7 @@
 #include "colmap_ext/colmap_compat.h"
 #include "formats/picture_files.h"
 #include "formats/read_ply.h"
+#include "meshing/ray_ends.h"
 #include "tests/colmap_ext/run_shell.h"
 #include "tests/raster/pixels.h"
 #include "tests/synthetic/write_workspace.h"
@@ -224,6 +225,47 @@ TEST_P(SyntheticWorkspaceTest, IsMeshed) {
                      PathOption("workspace_path", path_)));
   const PlyCloud mesh = ReadPlyCloud(path_ / "meshed-delaunay-manifold.ply");
   EXPECT_GT(mesh.positions.size(), 500);
+}
+
+// Rays to masked pixels do not carve.
+TEST_P(SyntheticWorkspaceTest, IsCarvedByItsDepthMaps) {
+  const fs::path mesh = path_ / "meshed-delaunay-manifold.ply";
+  const std::string arguments =
+      "delaunay_manifold_mesher" + PathOption("workspace_path", path_);
+  Succeed(RunProgram(arguments));
+  const std::string whole = ReadFile(mesh);
+  const auto num_rays = [&](const std::string& options) {
+    const Outcome outcome =
+        RunProgram(arguments + " @carve_with_depth_maps 1" + options);
+    Succeed(outcome);
+    const std::string name = "rays to depth maps";
+    return std::stoul(outcome.out.substr(outcome.out.find(name) + name.size()));
+  };
+  size_t num_depths = 0;
+  for (const synthetic::DepthMap& map : scene_.depth_maps) {
+    for (int row = kDepthSpacing / 2; row < map.height; row += kDepthSpacing) {
+      for (int col = kDepthSpacing / 2; col < map.width; col += kDepthSpacing) {
+        num_depths += map.depths[map.Index(row, col)] > 0 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_EQ(num_rays(""), num_depths);
+  EXPECT_NE(ReadFile(mesh), whole);
+  ColorImage mask{120, 90, std::vector<Color>(120 * 90, {255, 255, 255})};
+  std::fill_n(mask.pixels.begin(), 120 * 45, Color{0, 0, 0});
+  fs::create_directory(folder_.Path() / "masks");
+  for (const View& view : scene_.scene.views) {
+    WritePng(folder_.Path() / "masks" / (view.name + ".png"), mask);
+  }
+  const size_t num_left =
+      num_rays(PathOption("mask_path", folder_.Path() / "masks"));
+  EXPECT_LT(num_left, num_depths);
+  EXPECT_GT(num_left, 0u);
+  fs::remove_all(path_ / "stereo" / "depth_maps");
+  const Outcome outcome = RunProgram(arguments + " @carve_with_depth_maps 1");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_TRUE(outcome.err.find("no depth map of any image") !=
+              std::string::npos);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SyntheticWorkspaceTest,

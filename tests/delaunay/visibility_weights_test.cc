@@ -194,7 +194,7 @@ TEST_F(TwoCells, AVertexMayStandForMillionsOfPoints) {
 // A ray's votes by the formulas, from the path that WalkRays() finds.
 void AddByFormula(const Tetrahedralization& tetrahedra, uint32_t vertex,
                   float alpha, const Eigen::Vector3d& center,
-                  const VisibilityWeightOptions& options,
+                  const VisibilityWeightOptions& options, bool is_free,
                   FlowCapacities* graph) {
   const Eigen::Vector3d position = tetrahedra.PositionOf(vertex);
   const auto soft = [&](double distance) {
@@ -208,6 +208,9 @@ void AddByFormula(const Tetrahedralization& tetrahedra, uint32_t vertex,
   (*graph)[front.end].source += ToCapacity(alpha);
   for (const auto& [exit_arc, entry_arc, distance] : front.crossings) {
     (*graph)[entry_arc / 4].arcs[entry_arc % 4] += soft(distance);
+  }
+  if (is_free) {
+    return;
   }
   const RayPath behind =
       PathOf(tetrahedra,
@@ -268,16 +271,19 @@ TEST(ObserveVertices, AddsTheWeightsOfAVertexAndAView) {
 
 // A cut costs what the formulas say, whatever the cells' labels are: all free
 // but a few, all matter but a few, half and half, and on both sides of planes.
-TEST(VisibilityWeights, CutsCostWhatTheFormulasSay) {
+void ExpectCutsByFormula(bool are_free) {
   const Scenery scenery;
   const Tetrahedralization& tetrahedra = scenery.tetrahedra;
   FlowCapacities graph = ZeroCapacities(tetrahedra);
-  scenery.Vote(0, 1, &graph);
+  Observations observations = scenery.observations;
+  observations.are_free = are_free;
+  AddVisibilityWeights(tetrahedra, observations, scenery.centers,
+                       Scenery::kOptions, &graph);
   FlowCapacities expected = ZeroCapacities(tetrahedra);
   for (uint32_t vertex = 0; vertex < tetrahedra.points.size(); ++vertex) {
-    for (const auto& [view, alpha] : scenery.observations[vertex]) {
+    for (const auto& [view, alpha] : observations[vertex]) {
       AddByFormula(tetrahedra, vertex, alpha, scenery.centers[view],
-                   Scenery::kOptions, &expected);
+                   Scenery::kOptions, are_free, &expected);
     }
   }
   const NeighborView neighbors = NeighborsOf(tetrahedra);
@@ -298,6 +304,14 @@ TEST(VisibilityWeights, CutsCostWhatTheFormulasSay) {
   for (const auto terminal : {&NodeCapacities::source, &NodeCapacities::sink}) {
     EXPECT_EQ(SumOf(graph, terminal), SumOf(expected, terminal));
   }
+}
+
+TEST(VisibilityWeights, CutsCostWhatTheFormulasSay) {
+  ExpectCutsByFormula(false);
+}
+
+TEST(VisibilityWeights, FreeRaysVoteInFrontOfTheirPointsAlone) {
+  ExpectCutsByFormula(true);
 }
 
 }  // namespace colmap_ext::visibility_weights_test

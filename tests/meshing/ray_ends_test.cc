@@ -1,6 +1,7 @@
 #include "meshing/ray_ends.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -139,6 +140,34 @@ TEST(BackgroundEnds, AreWhereRaysOfMaskedPixelsLeave) {
   mask.pixels.assign(mask.pixels.size(), 255);
   EXPECT_EQ(BackgroundEnds(region, view, 0, mask).size(), 0u);
   EXPECT_EQ(BackgroundEnds(region, view, 0, GrayImage()).size(), 0u);
+}
+
+TEST(DepthRayEnds, LieFourPixelsBeforeTheDepths) {
+  const View view = FrontView(1);
+  DepthMap depths{view.width / 2, view.height / 2, 1, {}};
+  depths.depths.assign(320 * 240, 10);
+  const std::vector<Eigen::Vector3f> ends = DepthRayEnds(view, depths);
+  ASSERT_EQ(ends.size(), 320u / kDepthSpacing * 240 / kDepthSpacing);
+  for (size_t i = 0; i < ends.size(); ++i) {
+    const Eigen::Vector3d end = view.CamFromWorld(ends[i].cast<double>());
+    EXPECT_NEAR(end.z(), 10 * (1 - 4 / (0.5 * view.fx)), 1e-5);
+    const size_t row = i / (320 / kDepthSpacing);
+    const size_t col = i % (320 / kDepthSpacing);
+    const Eigen::Vector2d pixel(col * kDepthSpacing + kDepthSpacing / 2 + 0.5,
+                                row * kDepthSpacing + kDepthSpacing / 2 + 0.5);
+    EXPECT_LT((view.ImageFromCam(end) - 2 * pixel).norm(), 1e-3);
+  }
+}
+
+TEST(DepthRayEnds, AreNotThereWithoutADepth) {
+  const View view = FrontView(1);
+  DepthMap depths{view.width, view.height, 1, {}};
+  for (const float depth : {0.0f, -1.0f, std::numeric_limits<float>::infinity(),
+                            std::numeric_limits<float>::quiet_NaN(), 1e30f}) {
+    depths.depths.assign(640 * 480, depth);
+    EXPECT_TRUE(DepthRayEnds(view, depths).empty()) << depth;
+  }
+  EXPECT_TRUE(DepthRayEnds(view, DepthMap()).empty());
 }
 
 TEST(RegionOfCloudTest, HoldsAllPoints) {
