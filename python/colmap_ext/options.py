@@ -73,6 +73,10 @@ class DelaunayManifoldMeshingOptions(BaseOptions):
     input_type: Literal["dense", "sparse"] = "dense"
     """Mesh the fused points, or the points of the sparse model."""
 
+    carve_with_depth_maps: bool = False
+    """Carve free space along all depths of stereo/depth_maps, fused or not: less false
+    surface, and less that few images see."""
+
     fused_path: Optional[StrPath] = None
     """Fused points, PLY, with their .vis. Default: WORKSPACE/fused.ply."""
 
