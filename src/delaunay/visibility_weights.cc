@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <mutex>
 #include <span>
 
@@ -55,18 +56,20 @@ std::vector<Place> LocateCenters(const Tetrahedralization& tetrahedra,
 // Points that are not vertices, each with a cell that it lies in.
 std::vector<Place> LocatePoints(const Tetrahedralization& tetrahedra,
                                 const std::vector<Eigen::Vector3f>& points) {
-  std::vector<Place> located;
-  located.reserve(points.size());
-  uint32_t hint = tetrahedra.vertex_cells.front();
-  for (const Eigen::Vector3f& point : points) {
-    const Eigen::Vector3d position = point.cast<double>();
-    const uint32_t cell = Locate(tetrahedra, position, hint);
-    const bool is_infinite = tetrahedra.IsInfinite(cell);
-    located.push_back(
-        {position, cell,
-         is_infinite || IsStrictlyInside(tetrahedra, cell, position)});
-    hint = is_infinite ? hint : cell;
-  }
+  std::vector<Place> located(points.size());
+  tbb::parallel_for(size_t{0}, points.size() / kBlock + 1, [&](size_t block) {
+    uint32_t hint = tetrahedra.vertex_cells.front();
+    const size_t end = std::min(points.size(), (block + 1) * kBlock);
+    for (size_t i = block * kBlock; i < end; ++i) {
+      const Eigen::Vector3d position = points[i].cast<double>();
+      const uint32_t cell = Locate(tetrahedra, position, hint);
+      const bool is_infinite = tetrahedra.IsInfinite(cell);
+      located[i] = {
+          position, cell,
+          is_infinite || IsStrictlyInside(tetrahedra, cell, position)};
+      hint = is_infinite ? hint : cell;
+    }
+  });
   return located;
 }
 
@@ -120,9 +123,8 @@ class Voter {
     }
     WalkRays(tetrahedra_, rays_, front_);
     if (!observations_.are_free) {
-      for (size_t i = 0; i < batch.size(); ++i) {
-        rays_[i] = RayBehind(batch[i]);
-      }
+      std::ranges::transform(batch, rays_.begin(),
+                             std::bind_front(&Voter::RayBehind, this));
       WalkRays(tetrahedra_, rays_, behind_);
     }
     for (size_t i = 0; i < batch.size(); ++i) {

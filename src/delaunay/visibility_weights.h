@@ -87,8 +87,7 @@ struct Observations : Rows<Observation> {
   // which is not a vertex and lies near point i - 1. Outside the cell that
   // holds the point its rays vote exactly as if it were a vertex.
   std::vector<Eigen::Vector3f> points = {};
-  // The rays vote before their points alone, for free space: nothing is known
-  // of what lies there.
+  // The rays vote before their points alone, for free space.
   bool are_free = false;
 
   bool IsEnd(size_t vertex) const {

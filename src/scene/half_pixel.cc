@@ -2,12 +2,12 @@
 
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include <tbb/parallel_for.h>
 #include <Eigen/Eigenvalues>
 
 #include "base/percentile.h"
+#include "base/rows.h"
 #include "scene/point_tree.h"
 
 namespace colmap_ext {
@@ -30,18 +30,19 @@ struct Sample {
   double observed;
 };
 
-// Nothing where the sparse point lies beside the fused surface, or farther from
-// it than any error of stereo: on what was left out of the fusion.
-std::optional<Sample> SampleAt(const PointTree& tree, const PointCloud& cloud,
-                               const std::vector<Eigen::Vector3f>& offsets,
-                               const Eigen::Vector3f& sparse_point) {
+// No sample where the sparse point lies beside the fused surface, or farther
+// from it than any error of stereo: on what was left out of the fusion.
+void AppendSample(const PointTree& tree, const PointCloud& cloud,
+                  const std::vector<Eigen::Vector3f>& offsets,
+                  const Eigen::Vector3f& sparse_point,
+                  std::vector<Sample>* samples) {
   // Norms of the mean offset, which is half a pixel in x and in y: 7 px if the
   // views agree, less if they differ. A choice.
   constexpr double kMaxOffsets = 10;
   const std::vector<uint32_t> neighbors = tree.Nearest(
       sparse_point, kNumNeighbors, std::numeric_limits<float>::infinity());
   if (neighbors.size() < kNumNeighbors) {  // too far, or not finite
-    return std::nullopt;
+    return;
   }
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
@@ -63,11 +64,10 @@ std::optional<Sample> SampleAt(const PointTree& tree, const PointCloud& cloud,
   const Eigen::Vector3d away = sparse_point.cast<double>() - mean;
   const double observed = normal.dot(away);
   const double beside_squared = (away - observed * normal).squaredNorm();
-  if (beside_squared > radius_squared ||
-      std::abs(observed) > kMaxOffsets * offset.norm()) {
-    return std::nullopt;
+  if (beside_squared <= radius_squared &&
+      std::abs(observed) <= kMaxOffsets * offset.norm()) {
+    samples->push_back({normal.dot(offset), observed});
   }
-  return Sample{normal.dot(offset), observed};
 }
 
 // Leaves out sparse points that lie farther from the fused surface than three
@@ -77,8 +77,7 @@ void DropOutliers(std::vector<Sample>* samples) {
   for (const Sample& sample : *samples) {
     distances.push_back(std::abs(sample.observed));
   }
-  // Of normal numbers, half lie within 1 / 1.4826 standard deviations, the
-  // distribution's quantile of 3/4.
+  // Half of all normal numbers lie within 1 / 1.4826 standard deviations.
   constexpr double kSigmasOfMedian = 3 * 1.4826;
   const double max_distance = kSigmasOfMedian * Percentile(50, &distances);
   std::erase_if(*samples, [&](const Sample& sample) {
@@ -147,16 +146,16 @@ HalfPixelSlope RegressHalfPixel(
   const PointTree tree(cloud.positions);
   const size_t stride =
       (sparse_points.size() + kMaxSparsePoints - 1) / kMaxSparsePoints;
-  std::vector<Sample> samples;
-  for (size_t i = 0; i < sparse_points.size(); i += stride) {
-    if (const auto sample = SampleAt(tree, cloud, offsets, sparse_points[i])) {
-      samples.push_back(*sample);
-    }
+  std::vector<Sample> samples =
+      MakeRows<Sample>((sparse_points.size() + stride - 1) / stride,
+                       [&](size_t i, std::vector<Sample>* all) {
+                         AppendSample(tree, cloud, offsets,
+                                      sparse_points[i * stride], all);
+                       })
+          .values;
+  if (samples.size() >= kMinSparsePoints) {
+    DropOutliers(&samples);
   }
-  if (samples.size() < kMinSparsePoints) {
-    return {};
-  }
-  DropOutliers(&samples);
   return samples.size() < kMinSparsePoints ? HalfPixelSlope()
                                            : Regress(samples);
 }

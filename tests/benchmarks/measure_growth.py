@@ -17,7 +17,7 @@
 --pairs   the same with 48 images, where each has 2 to 16 partners
 --pixels  the same with 12 images of 1/4 to 4 times the pixels
 --faces   the same with faces of 28 to 3.5 pixels
---threads both commands by the number of threads (--thread_counts; the refiner
+--threads all commands by the number of threads (--thread_counts; the refiner
           on --backend); from the first and the last follow, by Amdahl's law, the
           times with 8 and 32 cores and the serial part
 
@@ -31,6 +31,7 @@ import math
 import os
 import pathlib
 import re
+import shutil
 import struct
 import subprocess
 import sys
@@ -349,8 +350,31 @@ def measure_threads(args, folder):
         return checked([args.program, "facetwise_refiner", "--workspace_path",
                         workspace, "--FacetwiseRefinement.backend",
                         args.backend, "--num_threads", count])
+
+    plan = folder / "plan"
+
+    def run_planner(count):
+        shutil.rmtree(plan, ignore_errors=True)
+        return checked([args.program, "mesh_planner", "--workspace_path",
+                        workspace, "--output_path", plan, "--num_tiles", 2,
+                        "--num_threads", count])
+
+    def run_tile(count, tile=0):
+        for done in plan.glob(f"tile{tile:05}.cut*"):
+            done.unlink()
+        return checked([args.program, "delaunay_manifold_mesher",
+                        "--plan_path", plan, "--tile", tile,
+                        "--num_threads", count])
+
+    def run_merger(count):
+        run_tile(count, 1)
+        return checked([args.program, "mesh_merger", "--plan_path", plan,
+                        "--output_path", folder / "merged.ply",
+                        "--num_threads", count])
     counts = args.thread_counts
-    for name, run_with in (("mesher", run_mesher), ("refiner", run_refiner)):
+    for name, run_with in (("mesher", run_mesher), ("planner", run_planner),
+                           ("mesher of one of two tiles", run_tile),
+                           ("merger", run_merger), ("refiner", run_refiner)):
         # The least of some runs, since other processes only add to them.
         by_count = []
         for count in counts:
