@@ -98,8 +98,8 @@ RayEnds BackgroundEnds(const Region& region, const View& view,
                        uint32_t view_index, const GrayImage& mask);
 
 // The ends of the rays to a view's depths, of every kDepthSpacing-th pixel of
-// such a row: four pixels' widths before the depths, as what was not fused is
-// no surface to rely on. \param depths  of the view, of any size
+// such a row: four pixels' widths before the depths, since some are wrong.
+// \param depths  of the view, of any size
 std::vector<Eigen::Vector3f> DepthRayEnds(const View& view,
                                           const DepthMap& depths);
 
