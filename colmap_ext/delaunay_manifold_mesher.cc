@@ -117,7 +117,7 @@ struct Masked {
   RayEnds ends;                      // of rays through the background
 };
 
-// Takes masked points out of the workspace, and of others.
+// Drops the workspace's points and the ends of rays that are masked.
 Masked MaskWorkspace(const MesherOptions& options,
                      const std::optional<Region>& region,
                      const Progress& progress, Workspace* workspace,

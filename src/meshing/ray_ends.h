@@ -97,8 +97,8 @@ Region RegionAround(const Eigen::AlignedBox3f& box);
 RayEnds BackgroundEnds(const Region& region, const View& view,
                        uint32_t view_index, const GrayImage& mask);
 
-// The ends of the rays to a view's depths, of every kDepthSpacing-th pixel of
-// such a row: four pixels' widths before the depths, since some are wrong.
+// The ends of rays to every kDepthSpacing-th depth of every such row of a depth
+// map: four pixels' widths before the depths, since some depths are wrong.
 // \param depths  of the view, of any size
 std::vector<Eigen::Vector3f> DepthRayEnds(const View& view,
                                           const DepthMap& depths);
@@ -106,7 +106,7 @@ std::vector<Eigen::Vector3f> DepthRayEnds(const View& view,
 // Pixels of the depth map. A choice.
 inline constexpr int kDepthSpacing = 8;
 
-// The weight of the vote of such a ray, in place of 64 pixels. A choice.
+// The weight of such a ray's vote, which stands for 64 pixels. A choice.
 inline constexpr float kDepthRayWeight = 8;
 
 // Adds ends behind the points, each seen by its view.

@@ -86,8 +86,8 @@ struct HitPacket {
   Int4 facet;       // index in the mesh; -1: no hit
 };
 
-// Finds the facets of a mesh that rays, in packets of four, meet by the test of
-// [Moeller1997], and those nearest to points.
+// A bounding volume hierarchy over the facets of a mesh. Packets of four rays
+// meet facets by the test of [Moeller1997].
 class Bvh : FacetTree {
  public:
   // Facets may be degenerate: one that repeats a vertex three times is a point.

@@ -97,10 +97,10 @@ class FacetTree {
   }
 
  protected:
-  // Calls visit(first, last) for the places of the facets of the leaves whose
-  // bounds are below a limit, those with lower bounds first. It returns the
-  // limit from then on.
+  // Visits the leaves whose bounds are below a limit, depth first, the child
+  // with the lower bound before the other.
   // \param bound_of  of a box: not above that of a box within it
+  // \param visit  gets a leaf's range of facets_, and returns the new limit
   template <typename Limit, typename BoundOf, typename Visit>
   void VisitNearestFirst(Limit limit, const BoundOf& bound_of,
                          const Visit& visit) const {
