@@ -83,22 +83,14 @@ struct FacetLabels {
     }
   }
 
-  // The same with at most the first count(facet) labels of each facet.
-  template <typename Count>
-  FacetLabels Shortened(const Count& count) const {
-    FacetLabels first{pairs, labels, {}};
-    EditRows(
-        [&](size_t i, auto row) {
-          return std::optional(std::min<size_t>(row.size(), count(i)));
-        },
-        &first.labels);
-    first.labels.values.shrink_to_fit();
-    return first;
-  }
-
-  // The same with at most the first `count` labels of each facet.
+  // The same with at most the first `count` labels of each facet, each in both
+  // directions.
   FacetLabels Truncated(size_t count) const {
-    return Shortened([&](size_t) { return count; });
+    FacetLabels first{pairs, {}, {}};
+    for (size_t i = 0; i < NumFacets(); ++i) {
+      first.labels.AddRow(labels[i].first(std::min(count, labels[i].size())));
+    }
+    return first;
   }
 
   // Those of other facets that come from these.
@@ -113,11 +105,16 @@ struct FacetLabels {
     return from;
   }
 
-  // The same without the labels of the other facets.
+  // Drops the labels of the other facets. Those that stay are compared in both
+  // directions.
   // \param is_chosen [F]
-  FacetLabels Masked(const std::vector<uint8_t>& is_chosen) const {
-    return Shortened(
-        [&](size_t i) { return is_chosen[i] != 0 ? SIZE_MAX : 0; });
+  void KeepOf(const std::vector<uint8_t>& is_chosen) {
+    EditRows(
+        [&](size_t i, auto row) {
+          return std::optional(is_chosen[i] != 0 ? row.size() : 0);
+        },
+        &labels);
+    directions.clear();
   }
 };
 

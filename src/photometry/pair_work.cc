@@ -32,6 +32,23 @@ Rows<uint32_t> GroupByDirection(const FacetLabels& labels) {
   });
 }
 
+bool AreGroupsOf(const FacetLabels& labels, const Rows<uint32_t>& facets) {
+  bool are_same = facets.size() == 2 * labels.pairs.size();
+  // Where the next facet of each direction is to be found.
+  std::vector<uint64_t> places = facets.offsets;
+  for (uint32_t facet = 0; are_same && facet < labels.NumFacets(); ++facet) {
+    labels.ForEachDirection(facet, [&](uint32_t direction) {
+      uint64_t& place = places[direction];
+      are_same = are_same && place < facets.offsets[direction + 1] &&
+                 facets.values[place++] == facet;
+    });
+  }
+  for (size_t i = 0; are_same && i < facets.size(); ++i) {
+    are_same = places[i] == facets.offsets[i + 1];
+  }
+  return are_same;
+}
+
 Rows<uint32_t> DirectionsOfViews(const std::vector<ViewPair>& pairs,
                                  size_t num_views) {
   return GroupInRows<uint32_t>(num_views, [&](const auto& add) {

@@ -19,6 +19,9 @@ namespace colmap_ext {
 // [2 L] the facets that are compared in each direction, ascending.
 Rows<uint32_t> GroupByDirection(const FacetLabels& labels);
 
+// Whether facets are those of GroupByDirection(), without making them again.
+bool AreGroupsOf(const FacetLabels& labels, const Rows<uint32_t>& facets);
+
 // The places of some facets of a mesh in a list of them: a bit a facet, and how
 // many come before each 64. Each thread has one.
 class FacetPlaces {

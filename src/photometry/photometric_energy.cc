@@ -175,10 +175,10 @@ class CpuPhotometricEnergy : public PhotometricEnergy {
 
   // Evaluations between two calls of Render() mostly have the same labels.
   const Work& WorkFor(const FacetLabels& labels) {
-    Rows<uint32_t> facets = GroupByDirection(labels);
-    if (!work_ || work_->pairs != labels.pairs || work_->facets != facets) {
-      work_.reset();
-      work_ = Work{labels.pairs, std::move(facets),
+    if (!work_ || work_->pairs != labels.pairs ||
+        !AreGroupsOf(labels, work_->facets)) {
+      work_.reset();  // before others take memory
+      work_ = Work{labels.pairs, GroupByDirection(labels),
                    FindDirections(*buffers_, labels)};
     }
     return *work_;

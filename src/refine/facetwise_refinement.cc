@@ -66,7 +66,7 @@ class Refinement {
     energy_->SetViews(state_.views);
     RemoveSelfIntersections(hooks_.progress, &state_);
     const std::vector<View> views = ViewsAtLevel(state_.views, level);
-    Prepare(level, views);
+    FacetLabels labels = Prepare(level, views);
     const std::string stage = "Refining, level " + std::to_string(level);
     Report(hooks_.progress, stage, 0);
     ReturnFreedMemory();
@@ -80,7 +80,7 @@ class Refinement {
     };
     RefinedLevel refined =
         RefineLevel(options_,
-                    {level, state_.labels, views, state_.origins,
+                    {level, std::move(labels), views, state_.origins,
                      FixedOf(state_.fixed_sources)},
                     state_.mesh, energy_, on_step);
     state_.mesh = std::move(refined.mesh);
@@ -157,7 +157,8 @@ class Refinement {
   // Gives the mesh facets of the size that the images call for, and labels
   // them. The last buffers serve the labelling, and the energy's first
   // Render().
-  void Prepare(int level, const std::vector<View>& views) {
+  // \return all labels; the state has the best ones alone.
+  FacetLabels Prepare(int level, const std::vector<View>& views) {
     // Not at the coarse levels: their images show less than the mesh holds, and
     // remeshing would lose it.
     const bool is_remeshed = options_.remeshing && level == 0;
@@ -189,7 +190,8 @@ class Refinement {
         options, state_.mesh, state_.attributes, pairs_, visibility, views);
     labeling.level = level;
     state_.report.labelings.push_back(labeling);
-    state_.labels = std::move(labeling.labels);
+    state_.labels = labeling.labels.Truncated(1);
+    return std::move(labeling.labels);
   }
 
   FacetwiseRefinementOptions options_;

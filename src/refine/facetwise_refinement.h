@@ -145,8 +145,8 @@ struct RefinementStart : Surface {
 // Manifold; its confidences are those of RefinedConfidences() once the last
 // level is complete, its fixed sources those of the start.
 struct RefinedMesh : Surface {
-  FacetLabels labels;         // [F] of the last level; none of facets that
-                              // close a hole
+  FacetLabels labels;         // [F] the best of the last level; none of facets
+                              // that close a hole
   std::vector<View> views;    // as they were refined
   CameraAlignment alignment;  // nothing if nothing is known of the cameras
   RefinementReport report;

@@ -19,16 +19,16 @@ namespace {
 class LevelRefinement {
  public:
   LevelRefinement(const FacetwiseRefinementOptions& options,
-                  const RefinementLevel& level, TriangleMesh mesh,
+                  RefinementLevel level, TriangleMesh mesh,
                   PhotometricEnergy* energy, const OnLevelStep& on_step)
       : options_(options),
-        level_(level),
+        level_(std::move(level)),
         energy_(energy),
         on_step_(on_step),
         tree_(mesh) {
     const bool is_classical =
         options.labeling.pair_selection == PairSelection::kClassical;
-    labels_ = level.labels.Truncated(
+    labels_ = level_.labels.Truncated(
         is_classical ? SIZE_MAX : options.labeling.pairs_per_facet);
     domain_.rings = MakeVertexRings(mesh);
     surface_.mesh = std::move(mesh);
@@ -50,16 +50,16 @@ class LevelRefinement {
       }
     }
     if (!unconfirmed.empty()) {
-      labels_ = labels_.Masked(is_confirmed);
+      labels_.KeepOf(is_confirmed);
+      level_.labels.KeepOf(is_confirmed);
       surface_ = Evaluate(std::move(surface_.mesh));
     }
     SetTarget(FirstTarget(domain_, surface_.mesh,
                           kFirstWeight * options_.smoothness_weight));
     Iterate(options_.iterations);
-    FacetLabels labels = level_.labels.Masked(is_confirmed);
     if (level_.level == 0 && !refined_.is_stopped &&
-        labels_.labels.values.size() < labels.labels.values.size()) {
-      Finish(std::move(labels));
+        labels_.labels.values.size() < level_.labels.labels.values.size()) {
+      Finish();
     }
     for (size_t i = 0, next = 0; i < is_confirmed.size(); ++i) {
       if (is_confirmed[i] == 0) {
@@ -229,8 +229,9 @@ class LevelRefinement {
 
   // The final iterations, half of them by a part of the labels, if that is
   // fewer.
-  void Finish(FacetLabels labels) {
+  void Finish() {
     constexpr int kFinalIterations = 4;
+    FacetLabels labels = std::move(level_.labels);
     const auto num_first =
         static_cast<size_t>(options_.labeling.FirstFinalPairs());
     const bool is_by_part = labels.MaxLabelsOfFacet() > num_first;
@@ -256,7 +257,7 @@ class LevelRefinement {
   }
 
   const FacetwiseRefinementOptions& options_;
-  const RefinementLevel& level_;
+  RefinementLevel level_;
   PhotometricEnergy* energy_;
   const OnLevelStep& on_step_;
   FacetTree tree_;      // of the mesh's facets
@@ -273,10 +274,11 @@ class LevelRefinement {
 }  // namespace
 
 RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
-                         const RefinementLevel& level, TriangleMesh mesh,
+                         RefinementLevel level, TriangleMesh mesh,
                          PhotometricEnergy* energy,
                          const OnLevelStep& on_step) {
-  return LevelRefinement(options, level, std::move(mesh), energy, on_step)
+  return LevelRefinement(options, std::move(level), std::move(mesh), energy,
+                         on_step)
       .Run();
 }
 

@@ -18,7 +18,7 @@ namespace colmap_ext {
 // What a level is refined by.
 struct RefinementLevel {
   int level = 0;                   // the images are 2^level times smaller
-  const FacetLabels& labels;       // [F]
+  FacetLabels labels;              // [F]
   const std::vector<View>& views;  // of the level's images' sizes
   const std::vector<Eigen::Vector3f>& origins;  // [V] see RefinedMesh
   FixedVertices fixed = {};                     // of the mesh
@@ -54,7 +54,7 @@ using OnLevelStep =
 //
 // \pre `energy` is set to the level
 RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
-                         const RefinementLevel& level, TriangleMesh mesh,
+                         RefinementLevel level, TriangleMesh mesh,
                          PhotometricEnergy* energy, const OnLevelStep& on_step);
 
 }  // namespace colmap_ext

@@ -86,6 +86,25 @@ TEST(GroupByDirection, TurnsTheLabelsRoundInBothUnlessToldOtherwise) {
   EXPECT_EQ(GroupByDirection(labels), told);
 }
 
+TEST(AreGroupsOf, OnlyTheSameFacetsInTheSameDirections) {
+  Random random(2);
+  for (const uint32_t num_facets : {0u, 1u, 5u, 300u}) {
+    FacetLabels labels = RandomLabels(num_facets, &random);
+    const Rows<uint32_t> groups = GroupByDirection(labels);
+    EXPECT_TRUE(AreGroupsOf(labels, groups));
+    FacetLabels more = labels;
+    more.pairs.push_back({0, 1});
+    EXPECT_FALSE(AreGroupsOf(more, groups));
+    for (size_t i = 0; i < labels.directions.size(); ++i) {
+      FacetLabels other = labels;
+      other.directions[i] ^= kInSecond;
+      EXPECT_FALSE(AreGroupsOf(other, groups));
+    }
+    labels.KeepOf(std::vector<uint8_t>(num_facets, 0));
+    EXPECT_EQ(AreGroupsOf(labels, groups), groups.values.empty());
+  }
+}
+
 // The squares with pixels of a direction, and the rectangles around those.
 using Squares = std::map<std::pair<int, int>, std::array<int, 4>>;
 
