@@ -11,7 +11,7 @@
 
 #include "mesh/topology.h"
 #include "mesh/triangle_mesh.h"
-#include "scene/images.h"
+#include "scene/depth_maps.h"
 #include "scene/progress.h"
 #include "scene/region.h"
 #include "scene/view.h"
@@ -26,18 +26,6 @@ namespace colmap_ext {
 //        [height * width]; -1: none
 DepthMap RenderDepths(const Bvh& surface, const View& view, int stride,
                       std::vector<int32_t>* facets = nullptr);
-
-// Returns every stride-th pixel of a map of the whole image.
-// \param stride  px, > 0
-// \pre map.stride == 1
-DepthMap Subsample(const DepthMap& map, int stride);
-
-// Returns the points of `depths` where `mask` has a depth too, world frame, row
-// by row.
-// \pre both are of the same size
-std::vector<Eigen::Vector3f> PointsWhere(const DepthMap& depths,
-                                         const DepthMap& mask,
-                                         const View& view);
 
 // Counts of true depths that agree with a mesh: the protocol of the EPFL data
 // sets [Strecha2008] by [HuMordohai2012] (docs/method.md, section 8.2).

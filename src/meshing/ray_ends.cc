@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "scene/depth_maps.h"
+
 namespace colmap_ext {
 namespace {
 
@@ -146,20 +148,12 @@ std::vector<Eigen::Vector3f> DepthRayEnds(const View& view,
                                           const DepthMap& depths) {
   constexpr double kBefore = 4;  // px
   const View scaled = ResizeView(view, depths.width, depths.height);
-  const Eigen::Vector3f center = view.Center().cast<float>();
-  const auto share = static_cast<float>(1 - kBefore / scaled.fx);
-  std::vector<Eigen::Vector3f> ends;
-  for (int row = kDepthSpacing / 2; row < depths.height; row += kDepthSpacing) {
-    for (int col = kDepthSpacing / 2; col < depths.width;
-         col += kDepthSpacing) {
-      const float depth = depths.depths[depths.Index(row, col)];
-      const Eigen::Vector3f end =
-          center + share * depth * RayDirection(scaled, col + 0.5, row + 0.5);
-      if (depth > 0 && IsMeasurable(end)) {
-        ends.push_back(end);
-      }
-    }
+  DepthMap before = Subsample(depths, kDepthSpacing);
+  for (float& depth : before.depths) {
+    depth *= static_cast<float>(1 - kBefore / scaled.fx);
   }
+  std::vector<Eigen::Vector3f> ends = PointsWhere(before, before, scaled);
+  std::erase_if(ends, [](const auto& end) { return !IsMeasurable(end); });
   return ends;
 }
 

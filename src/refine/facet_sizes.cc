@@ -180,6 +180,7 @@ FacetVisibility RemeshForImages(double area, const DrawMesh& draw,
                             RefinableAreas(surface->mesh, buffers->Views(),
                                            FindVisibleFacets(*buffers)));
   }
+  draw({});  // lets go of what was drawn, before others take memory
   BecomeRemeshed(
       RemeshIsotropically(surface->mesh, lengths, TolerancesOf(lengths),
                           FixedOf(surface->fixed_sources)),
