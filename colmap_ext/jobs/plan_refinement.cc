@@ -15,7 +15,6 @@
 #include "mesh/mesh_in_image.h"
 #include "mesh/space_filling_curve.h"
 #include "photometry/image_pyramid.h"
-#include "workspace/workspace_paths.h"
 
 namespace colmap_ext {
 namespace {

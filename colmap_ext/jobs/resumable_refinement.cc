@@ -1,7 +1,6 @@
 #include "colmap_ext/jobs/resumable_refinement.h"
 
 #include <algorithm>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <utility>

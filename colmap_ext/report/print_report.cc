@@ -1,7 +1,5 @@
 #include "colmap_ext/report/print_report.h"
 
-#include <fmt/format.h>
-
 namespace colmap_ext {
 namespace {
 

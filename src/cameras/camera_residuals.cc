@@ -1,6 +1,5 @@
 #include "cameras/camera_residuals.h"
 
-#include <algorithm>
 #include <limits>
 #include <numeric>
 

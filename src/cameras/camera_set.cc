@@ -1,7 +1,6 @@
 #include "cameras/camera_set.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include <tbb/parallel_for.h>

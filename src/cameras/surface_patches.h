@@ -10,7 +10,6 @@
 #include "photometry/image_pyramid.h"
 #include "photometry/pair_warp.h"
 #include "photometry/photometric_energy.h"
-#include "raster/facet_id_buffer.h"
 #include "raster/visibility_buffers.h"
 #include "scene/view.h"
 

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "base/percentile.h"
+#include "scene/depth_maps.h"
 
 namespace colmap_ext {
 namespace {

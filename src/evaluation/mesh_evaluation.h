@@ -11,7 +11,7 @@
 
 #include "mesh/topology.h"
 #include "mesh/triangle_mesh.h"
-#include "scene/depth_maps.h"
+#include "scene/images.h"
 #include "scene/progress.h"
 #include "scene/region.h"
 #include "scene/view.h"

@@ -9,6 +9,8 @@
 #include <tbb/parallel_sort.h>
 #include <Eigen/Geometry>
 
+#include "scene/depth_maps.h"
+
 namespace colmap_ext {
 namespace {
 

@@ -2,7 +2,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include "base/indices.h"
 #include "mesh/mesh_in_image.h"
 
 namespace colmap_ext {

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "base/indices.h"
 #include "base/rows.h"
 #include "mesh/triangle_mesh.h"
 #include "scene/point_cloud.h"
@@ -86,11 +87,10 @@ struct FacetLabels {
   // The same with at most the first `count` labels of each facet, each in both
   // directions.
   FacetLabels Truncated(size_t count) const {
-    FacetLabels first{pairs, {}, {}};
-    for (size_t i = 0; i < NumFacets(); ++i) {
-      first.labels.AddRow(labels[i].first(std::min(count, labels[i].size())));
-    }
-    return first;
+    const auto append = [&](size_t i, std::vector<uint32_t>* all) {
+      Append(labels[i].first(std::min(count, labels[i].size())), all);
+    };
+    return {pairs, MakeRows<uint32_t>(NumFacets(), append), {}};
   }
 
   // Those of other facets that come from these.

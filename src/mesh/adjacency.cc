@@ -1,9 +1,5 @@
 #include "mesh/adjacency.h"
 
-#include <tbb/parallel_for.h>
-
-#include "base/indices.h"
-
 namespace colmap_ext {
 
 Rows<uint32_t> CornersByVertex(const std::vector<Facet>& facets) {

@@ -5,7 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "base/indices.h"
 #include "mesh/adjacency.h"
 #include "scene/point_tree.h"
 

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/indices.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
 #include "meshing/manifold_meshing.h"

@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "base/indices.h"
 #include "base/rows.h"
 
 namespace colmap_ext {

@@ -1,7 +1,6 @@
 #include "photometry/image_pyramid.h"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 

@@ -34,6 +34,7 @@ Rows<uint32_t> GroupByDirection(const FacetLabels& labels) {
 
 bool AreGroupsOf(const FacetLabels& labels, const Rows<uint32_t>& facets) {
   bool are_same = facets.size() == 2 * labels.pairs.size();
+  size_t num_found = 0;
   // Where the next facet of each direction is to be found.
   std::vector<uint64_t> places = facets.offsets;
   for (uint32_t facet = 0; are_same && facet < labels.NumFacets(); ++facet) {
@@ -41,12 +42,10 @@ bool AreGroupsOf(const FacetLabels& labels, const Rows<uint32_t>& facets) {
       uint64_t& place = places[direction];
       are_same = are_same && place < facets.offsets[direction + 1] &&
                  facets.values[place++] == facet;
+      ++num_found;
     });
   }
-  for (size_t i = 0; are_same && i < facets.size(); ++i) {
-    are_same = places[i] == facets.offsets[i + 1];
-  }
-  return are_same;
+  return are_same && num_found == facets.values.size();
 }
 
 Rows<uint32_t> DirectionsOfViews(const std::vector<ViewPair>& pairs,
@@ -155,23 +154,27 @@ std::vector<TiledDirection> FindDirections(const VisibilityBuffers& buffers,
     if (of_views[view].empty()) {
       return;
     }
-    auto tiles = FindTiles(*buffers.Get(view), of_views[view], labels);
+    const auto tiles = FindTiles(*buffers.Get(view), of_views[view], labels);
     const auto i = static_cast<uint32_t>(view);
     for (size_t k = 0; k < tiles.size(); ++k) {
-      if (!tiles[k].empty()) {
-        const uint32_t direction = of_views[view][k];
-        const auto [first, second] = labels.pairs[direction / 2];
+      const uint32_t direction = of_views[view][k];
+      const auto [first, second] = labels.pairs[direction / 2];
+      for (size_t begin = 0; begin < tiles[k].size(); begin += kMaxTiles) {
+        const auto part = std::span(tiles[k]).subspan(begin);
         by_view[view].push_back(
-            {direction, i, first == i ? second : first, std::move(tiles[k])});
+            {direction,
+             i,
+             first == i ? second : first,
+             {part.begin(), part.begin() + std::min(kMaxTiles, part.size())}});
       }
     }
   });
   Rows<uint32_t> partners;
   for (const std::vector<TiledDirection>& row : by_view) {
-    for (const TiledDirection& direction : row) {
-      partners.values.push_back(direction.j);
-    }
-    partners.EndRow();
+    std::vector<uint32_t> js;
+    std::ranges::transform(row, std::back_inserter(js), &TiledDirection::j);
+    SortUnique(&js);
+    partners.AddRow(js);
   }
   std::vector<TiledDirection> directions;
   for (const uint32_t view : OrderByPartners(partners)) {

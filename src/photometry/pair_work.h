@@ -87,16 +87,21 @@ void ForEachInOrder(const std::vector<T>& order, const Function& function) {
                     [&](size_t) { function(order[next++]); });
 }
 
-// A direction of a pair, i <- j, and the tiles of image i where it is compared.
+// A direction of a pair, i <- j, and some of the tiles of image i where it is
+// compared: parts of a direction are work for several threads.
 struct TiledDirection {
   uint32_t direction = 0;  // its index, see Directions
   uint32_t i = 0;
   uint32_t j = 0;
-  std::vector<PixelBox> tiles;  // at least one
+  std::vector<PixelBox> tiles;  // 1 to kMaxTiles
 };
 
+// A choice: much more work than a part adds, and enough parts for many threads
+// where there are few images. Results depend on it by rounding only.
+inline constexpr size_t kMaxTiles = 256;
+
 // The directions that some pixel shows facets of, by their view i in the order
-// of OrderByPartners().
+// of OrderByPartners(), the parts of each one after the other.
 std::vector<TiledDirection> FindDirections(const VisibilityBuffers& buffers,
                                            const FacetLabels& labels);
 

@@ -5,7 +5,6 @@
 #include "mesh/adjacency.h"
 #include "mesh/clip_mesh.h"
 #include "mesh/confidences.h"
-#include "mesh/normals.h"
 #include "refine/facetwise_refinement.h"
 #include "remesh/isotropic_remeshing.h"
 #include "repair/self_intersection_repair.h"

@@ -1,6 +1,5 @@
 #include "refine/level_refinement.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>

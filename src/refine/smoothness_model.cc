@@ -7,8 +7,6 @@
 #include <span>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
 #include "base/percentile.h"
 #include "mesh/confidences.h"
 #include "mesh/normals.h"

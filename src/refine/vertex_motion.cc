@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <utility>
 
 #include <tbb/blocked_range.h>
@@ -11,7 +10,6 @@
 #include "base/indices.h"
 #include "base/mix_bits.h"
 #include "mesh/normals.h"
-#include "raster/facet_id_buffer.h"
 #include "spatial/self_intersections.h"
 
 namespace colmap_ext {

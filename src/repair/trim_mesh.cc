@@ -1,7 +1,6 @@
 #include "repair/borders.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <utility>
 

@@ -1,9 +1,6 @@
 #include "spatial/bvh.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
 
 #include "base/indices.h"
 

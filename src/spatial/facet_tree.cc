@@ -1,8 +1,5 @@
 #include "spatial/facet_tree.h"
 
-#include <algorithm>
-#include <bit>
-
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 

@@ -13,7 +13,6 @@
 #include "delaunay/visibility_weights.h"
 #include "mesh/surface.h"
 #include "meshing/ray_ends.h"
-#include "scene/point_cloud.h"
 #include "scene/progress.h"
 #include "scene/view.h"
 

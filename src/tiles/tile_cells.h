@@ -8,7 +8,6 @@
 #include <Eigen/Geometry>
 
 #include "mesh/triangle_mesh.h"
-#include "spatial/facet_tree.h"
 
 namespace colmap_ext {
 

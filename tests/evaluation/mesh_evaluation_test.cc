@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "scene/depth_maps.h"
 #include "scene/view.h"
 #include "spatial/bvh.h"
 #include "tests/mesh/known_meshes.h"

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
 #include "base/lru_cache.h"
+#include "tests/look_at.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/peak_memory.h"
 #include "tests/refine/refinement_scene.h"
 
@@ -296,6 +299,40 @@ TEST(OrderByPartners, ReadsFewViewsTwice) {
                                         {Shuffled(grid, &random), 1.7}}) {
     const std::vector<uint32_t> order = OrderByPartners(RowsOf(partners));
     EXPECT_LT(ReadsOfView(partners, order, kRoom), bound);
+  }
+}
+
+TEST(FindDirections, ShareOutAllTilesInParts) {
+  const TriangleMesh mesh = MakeSheet(8, 10);
+  std::vector<View> views;
+  for (const double x : {4.5, 5.5}) {
+    views.push_back(LookAt({x, 4, 8}, {5, 4, 0}, 1000, 800, 900));
+  }
+  const VisibilityBuffers buffers(mesh, views, 0.1, SIZE_MAX);
+  FacetLabels labels{AllPairs(2), {}, {}};
+  for (uint32_t facet = 0; facet < mesh.facets.size(); ++facet) {
+    labels.labels.AddRow(std::vector<uint32_t>(facet % 5 != 0 ? 1 : 0));
+  }
+  const std::vector<TiledDirection> parts = FindDirections(buffers, labels);
+  EXPECT_GE(parts.size(), 4u);
+  std::map<uint32_t, std::vector<PixelBox>> tiles;
+  for (const TiledDirection& part : parts) {
+    EXPECT_EQ(part.direction, part.i);
+    EXPECT_EQ(part.j, 1 - part.i);
+    EXPECT_GT(part.tiles.size(), 0u);
+    EXPECT_LE(part.tiles.size(), kMaxTiles);
+    Append(part.tiles, &tiles[part.direction]);
+  }
+  for (const uint32_t direction : {0u, 1u}) {
+    const auto expected =
+        FindTiles(*buffers.Get(direction), std::vector{direction}, labels);
+    EXPECT_GT(expected[0].size(), kMaxTiles);
+    EXPECT_TRUE(std::ranges::equal(
+        tiles[direction], expected[0],
+        [](const PixelBox& a, const PixelBox& b) {
+          return std::tie(a.first_row, a.last_row, a.first_col, a.last_col) ==
+                 std::tie(b.first_row, b.last_row, b.first_col, b.last_col);
+        }));
   }
 }
 
