@@ -96,7 +96,11 @@ void FinishRefinement(const FacetwiseRefinementOptions& options,
     }
   }
   if (options.remeshing && have_changed && !report.is_skipped) {
-    ImproveFacets(refined);
+    // The first folds edges, the second makes thin facets: in turn, both go.
+    for (int round = 0; round < 4; ++round) {
+      ImproveFacets(refined);
+      Unfold(&refined->mesh, FixedOf(refined->fixed_sources));
+    }
   }
 }
 
