@@ -96,8 +96,8 @@ struct TiledDirection {
   std::vector<PixelBox> tiles;  // 1 to kMaxTiles
 };
 
-// A choice: much more work than a part adds, and enough parts for many threads
-// where there are few images. Results depend on it by rounding only.
+// A choice: a part costs little beside its work, and few images still make
+// enough parts for many threads. Results depend on it by rounding only.
 inline constexpr size_t kMaxTiles = 256;
 
 // The directions that some pixel shows facets of, by their view i in the order

@@ -96,7 +96,7 @@ void FinishRefinement(const FacetwiseRefinementOptions& options,
     }
   }
   if (options.remeshing && have_changed && !report.is_skipped) {
-    // The first folds edges, the second makes thin facets: in turn, both go.
+    // Improving folds edges, unfolding thins facets: 4 rounds, a choice, end both.
     for (int round = 0; round < 4; ++round) {
       ImproveFacets(refined);
       Unfold(&refined->mesh, FixedOf(refined->fixed_sources));
