@@ -96,7 +96,7 @@ void FinishRefinement(const FacetwiseRefinementOptions& options,
     }
   }
   if (options.remeshing && have_changed && !report.is_skipped) {
-    // Improving folds edges, unfolding thins facets: 4 rounds, a choice, end both.
+    // One folds edges, the other thins facets; 4 rounds, a choice, end both.
     for (int round = 0; round < 4; ++round) {
       ImproveFacets(refined);
       Unfold(&refined->mesh, FixedOf(refined->fixed_sources));
