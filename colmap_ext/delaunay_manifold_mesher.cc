@@ -81,7 +81,7 @@ void PrintPixels(const MesherOptions& options, const Workspace& workspace,
   const auto it = std::ranges::find_if(workspace.camera_scales,
                                        [](double scale) { return scale != 1; });
   if (options.has_camera_pixels && it != workspace.camera_scales.end()) {
-    const double distance = options.meshing.max_proj_dist;
+    const double distance = options.meshing.thinning.max_proj_dist;
     PrintText(
         "max_proj_dist",
         fmt::format("{} px of the cameras, as COLMAP has it: {:.4g} px "

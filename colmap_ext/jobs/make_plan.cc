@@ -295,8 +295,8 @@ class Planner {
         if (meshing.drop_weaker_layers) {
           num_weaker[i] = DropWeakerLayers(sample_.views, &clouds[i]);
         }
-        thinned[i] = ThinTile(std::move(clouds[i]), sample_.views,
-                              {meshing.max_proj_dist, meshing.max_depth_dist});
+        thinned[i] =
+            ThinTile(std::move(clouds[i]), sample_.views, meshing.thinning);
         clouds[i] = {};
       });
       for (size_t i = 0; i < thinned.size(); ++i) {

@@ -41,18 +41,20 @@ void AddPathOptions(CommandOptions* options, MesherOptions* mesher) {
 void AddPointOptions(CommandOptions* options, MesherOptions* mesher) {
   const std::string ours = kMeshingSection;
   ManifoldMeshingOptions* const meshing = &mesher->meshing;
-  options->AddPreset("quality",
-                     {{"low", [=] { meshing->max_proj_dist = 40; }},
-                      {"medium", [=] { meshing->max_proj_dist = 28; }},
-                      {"high", [] {}},
-                      {"extreme", [=] { meshing->max_proj_dist = 10; }}},
-                     2,
-                     // scripts/option_tables looks for "Preset of".
-                     "Preset of max_proj_dist: 40, 28, 20 or 10 px. A "
-                     "max_proj_dist that is given has priority");
-  options->Add(ours + "max_proj_dist", &meshing->max_proj_dist, kNotNegative,
-               "[px] Merge points closer than this in an image; higher is "
-               "coarser and faster. 0: keep every point");
+  options->AddPreset(
+      "quality",
+      {{"low", [=] { meshing->thinning.max_proj_dist = 40; }},
+       {"medium", [=] { meshing->thinning.max_proj_dist = 28; }},
+       {"high", [] {}},
+       {"extreme", [=] { meshing->thinning.max_proj_dist = 10; }}},
+      2,
+      // scripts/option_tables looks for "Preset of".
+      "Preset of max_proj_dist: 40, 28, 20 or 10 px. A "
+      "max_proj_dist that is given has priority");
+  options->Add(
+      ours + "max_proj_dist", &meshing->thinning.max_proj_dist, kNotNegative,
+      "[px] Leave out points nearer than a fifth of this to one that is "
+      "kept; higher is coarser and faster. 0: keep every point");
   options->Add(ours + "quality_regularization",
                &meshing->quality_regularization, {0, 1e4},
                "Weight of the surface quality; higher is smoother");
@@ -82,8 +84,9 @@ void AddPointOptions(CommandOptions* options, MesherOptions* mesher) {
                &meshing->max_side_length_percentile, {0, 100},
                "[%] Percentile that max_side_length_factor multiplies");
   options->Add(
-      ours + "max_depth_dist", &meshing->max_depth_dist, {0, 1},
-      "Merge points only if their depths differ by less than this fraction");
+      ours + "max_depth_dist", &meshing->thinning.max_depth_dist, {0, 1},
+      "Leave out points only if nearer to one that is kept than this fraction "
+      "of their depth");
   options->Add(
       ours + "drop_weaker_layers", &meshing->drop_weaker_layers,
       "Where groups of images disagree and a wall is there twice, drop the "

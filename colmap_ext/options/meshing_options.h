@@ -34,7 +34,7 @@ struct MesherOptions {
   WorkspaceOptions workspace;
   ManifoldMeshingOptions meshing;
 
-  // meshing.max_proj_dist is in pixels of the cameras, as COLMAP's
+  // meshing.thinning.max_proj_dist is in pixels of the cameras, as COLMAP's
   // DelaunayMeshing.max_proj_dist is, not of the images.
   bool has_camera_pixels = false;
 

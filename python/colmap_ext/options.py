@@ -38,8 +38,8 @@ class DelaunayManifoldMeshingOptions(BaseOptions):
     priority."""
 
     max_proj_dist: Optional[Annotated[float, Range(0, 1000000)]] = None
-    """[px] Merge points closer than this in an image; higher is coarser and faster. 0:
-    keep every point. None: as quality says; 20 for high."""
+    """[px] Leave out points nearer than a fifth of this to one that is kept; higher is
+    coarser and faster. 0: keep every point. None: as quality says; 20 for high."""
 
     quality_regularization: Annotated[float, Range(0, 10000)] = 1.0
     """Weight of the surface quality; higher is smoother."""
@@ -59,7 +59,7 @@ class DelaunayManifoldMeshingOptions(BaseOptions):
     min_component_faces: Annotated[int, Range(0)] = 0
     """[faces] Remove components with fewer faces."""
 
-    max_side_length_factor: Annotated[float, Range(0, 1000000)] = 25.0
+    max_side_length_factor: Annotated[float, Range(0, 1000000)] = 35.0
     """Remove faces whose longest side is longer than this times the
     max_side_length_percentile of all faces' longest sides, unless they continue flat
     surface; 0: keep all."""
@@ -92,7 +92,8 @@ class DelaunayManifoldMeshingOptions(BaseOptions):
     """[%] Percentile that max_side_length_factor multiplies."""
 
     max_depth_dist: Annotated[float, Range(0, 1)] = 0.05
-    """Merge points only if their depths differ by less than this fraction."""
+    """Leave out points only if nearer to one that is kept than this fraction of their
+    depth."""
 
     drop_weaker_layers: bool = True
     """Where groups of images disagree and a wall is there twice, drop the points of the

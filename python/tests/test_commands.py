@@ -76,7 +76,7 @@ class CommandsTest(unittest.TestCase):
         self.assertTrue(path.exists())
 
     def test_options_do_what_they_say(self):
-        coarse = self.make_mesh(max_proj_dist=8)
+        coarse = self.make_mesh(max_proj_dist=20)
         self.assertGreater(len(self.make_mesh(max_proj_dist=0)), 1.2 * len(coarse))
 
     def test_options_have_priority_over_a_preset(self):

@@ -200,12 +200,9 @@ Tetrahedralization TakeTetrahedra(const std::vector<uint32_t>& numbers,
   std::vector<uint32_t>().swap(complex->vertex_cells);
   Tetrahedralization tetrahedra;
   tetrahedra.cells = TakeSortedCells(complex);
-  tetrahedra.points.resize(
-      numbers.size() - static_cast<size_t>(std::ranges::count(numbers, kNone)));
+  tetrahedra.points.resize(numbers.size());
   for (size_t i = 0; i < numbers.size(); ++i) {
-    if (numbers[i] != kNone) {
-      tetrahedra.points[numbers[i]] = complex->points[i];
-    }
+    tetrahedra.points[numbers[i]] = complex->points[i];
   }
   tetrahedra.vertex_cells = FirstCells(tetrahedra);
   *complex = {};

@@ -66,8 +66,7 @@ bool IsInConflict(const GrowingComplex& complex, uint32_t cell,
 // The tetrahedralization of a complex, with other numbers for the vertices. It
 // depends on the points and their numbers alone. The complex is empty
 // afterwards.
-// \param numbers [P] from 0 on, each once, of the points that are inserted;
-//        kNone: of the others
+// \param numbers [P] from 0 on, each once
 Tetrahedralization TakeTetrahedra(const std::vector<uint32_t>& numbers,
                                   GrowingComplex* complex);
 
@@ -142,26 +141,13 @@ std::vector<uint32_t> DistinctPoints(
 // \return [num_points] indices of points
 std::vector<uint32_t> InsertionOrder(size_t num_points);
 
-// Inserts a point; adds free cells where there are too few.
-// \param inserter  of all vertices
-// \param cell      that holds the point
-// \return a finite cell at the point
-uint32_t InsertPoint(uint32_t point, uint32_t cell, PointInserter* inserter,
-                     GrowingComplex* complex);
-
-// Whether a point is left out, by the complex so far and the cell in it that
-// holds the point.
-using LeaveOut =
-    std::function<bool(const GrowingComplex&, uint32_t point, uint32_t cell)>;
-
-// Inserts points into an empty complex, in parallel unless some are left out.
-// The result does not depend on the number of threads.
+// Inserts points into an empty complex, in parallel. The result does not depend
+// on the number of threads.
 // \param order  InsertionOrder()
-// \param leave_out  nothing: all are inserted
 // \throw std::invalid_argument where the points span no volume or are too many
 //        for 32-bit cell indices
-void InsertPoints(const std::vector<uint32_t>& order, const LeaveOut& leave_out,
-                  const Progress& progress, GrowingComplex* complex);
+void InsertPoints(const std::vector<uint32_t>& order, const Progress& progress,
+                  GrowingComplex* complex);
 
 // Appends points to a complex and inserts them, one after the other: fast where
 // neighbors in the list are neighbors in space.

@@ -38,15 +38,10 @@ class InsertionProgress {
     constexpr size_t kStep = 16384;
     if (num_inserted % kStep == 0) {
       const std::lock_guard lock(mutex_);
-      SetDone(num_done_ + kStep);
+      num_done_ += kStep;
+      Report(progress_, kTriangulatingStage,
+             static_cast<double>(num_done_) / static_cast<double>(num_points_));
     }
-  }
-
-  // \pre no other thread counts
-  void SetDone(size_t num_done) {
-    num_done_ = num_done;
-    Report(progress_, kTriangulatingStage,
-           static_cast<double>(num_done) / static_cast<double>(num_points_));
   }
 
  private:
@@ -143,8 +138,8 @@ std::vector<uint32_t> Borders(size_t num_points, size_t num_parts,
   return borders;
 }
 
-void InsertSerially(PointIndices points, const LeaveOut& leave_out,
-                    InsertionProgress* progress, GrowingComplex* complex) {
+void InsertSerially(PointIndices points, InsertionProgress* progress,
+                    GrowingComplex* complex) {
   const auto num_points = static_cast<uint32_t>(complex->points.size());
   PointInserter inserter(0, num_points, complex);
   inserter.free_cells().swap(complex->free_cells);
@@ -152,34 +147,36 @@ void InsertSerially(PointIndices points, const LeaveOut& leave_out,
   size_t num_done = 0;
   for (const uint32_t point : points) {
     progress->Count(++num_done);
-    if (complex->vertex_cells[point] != kNone) {
-      continue;
-    }
-    hint = inserter.Locate(point, hint);
-    if (!leave_out || !leave_out(*complex, point, hint)) {
-      hint = InsertPoint(point, hint, &inserter, complex);
+    while (complex->vertex_cells[point] == kNone) {
+      const uint32_t inserted =
+          inserter.Insert(point, inserter.Locate(point, hint));
+      if (inserted != kNone) {
+        hint = inserted;
+      } else {  // Too few cells are free.
+        AddFreeCells(kSpareCells, complex);
+        MoveCells(kSpareCells, &complex->free_cells, &inserter.free_cells());
+      }
     }
   }
   inserter.free_cells().swap(complex->free_cells);
 }
 
 // What lies at a border of the parts is tried again in parts with other
-// borders, before it is inserted by one thread. Where points may be left out,
-// one thread inserts all: what is left out depends on the order.
-void InsertRound(PointIndices points, const LeaveOut& leave_out,
-                 InsertionProgress* progress, GrowingComplex* complex) {
+// borders, before it is inserted by one thread.
+void InsertRound(PointIndices points, InsertionProgress* progress,
+                 GrowingComplex* complex) {
   std::vector<uint32_t> left_over(points.begin(), points.end());
   for (const double shift : {0.0, 0.5}) {
     const size_t num_parts =
         std::min<size_t>(tbb::this_task_arena::max_concurrency(),
                          left_over.size() / kMinPartPoints);
-    if (num_parts > 1 && !leave_out) {
+    if (num_parts > 1) {
       left_over = InsertInParts(
           left_over, Borders(complex->points.size(), num_parts, shift),
           progress, complex);
     }
   }
-  InsertSerially(left_over, leave_out, progress, complex);
+  InsertSerially(left_over, progress, complex);
 }
 
 }  // namespace
@@ -219,30 +216,15 @@ std::vector<uint32_t> InsertionOrder(size_t num_points) {
       .values;
 }
 
-uint32_t InsertPoint(uint32_t point, uint32_t cell, PointInserter* inserter,
-                     GrowingComplex* complex) {
-  for (;;) {
-    const uint32_t inserted = inserter->Insert(point, cell);
-    if (inserted != kNone) {
-      return inserted;
-    }
-    AddFreeCells(kSpareCells, complex);
-    MoveCells(kSpareCells, &complex->free_cells, &inserter->free_cells());
-  }
-}
-
-void InsertPoints(const std::vector<uint32_t>& order, const LeaveOut& leave_out,
-                  const Progress& progress, GrowingComplex* complex) {
-  // Thinning by defaults keeps about a third of the points.
-  complex->cells.reserve(kCellsPerPoint * order.size() / (leave_out ? 3 : 1) +
-                         kSpareCells);
+void InsertPoints(const std::vector<uint32_t>& order, const Progress& progress,
+                  GrowingComplex* complex) {
+  complex->cells.reserve(kCellsPerPoint * order.size() + kSpareCells);
   StartComplex(order, complex);
   InsertionProgress inserted(order.size(), progress);
   for (auto begin = order.begin(); begin != order.end();) {
     const auto end = std::is_sorted_until(begin, order.end());
-    InsertRound(PointIndices(begin, end), leave_out, &inserted, complex);
+    InsertRound(PointIndices(begin, end), &inserted, complex);
     begin = end;
-    inserted.SetDone(static_cast<size_t>(begin - order.begin()));
   }
 }
 
@@ -254,7 +236,7 @@ void InsertMorePoints(std::span<const Eigen::Vector3f> positions,
   complex->vertex_cells.resize(complex->points.size(), kNone);
   const Progress silent;
   InsertionProgress inserted(added.size(), silent);
-  InsertSerially(added, {}, &inserted, complex);
+  InsertSerially(added, &inserted, complex);
 }
 
 }  // namespace colmap_ext

@@ -11,9 +11,7 @@
 #include <Eigen/Core>
 
 #include "base/indices.h"
-#include "scene/point_cloud.h"
 #include "scene/progress.h"
-#include "scene/view.h"
 #include "spatial/predicates.h"
 
 namespace colmap_ext {
@@ -113,48 +111,24 @@ inline size_t WithSpareCells(size_t num_cells) {
 void IncidentCells(const Tetrahedralization& tetrahedra, uint32_t vertex,
                    std::vector<uint32_t>* cells);
 
-// A percentile of the lengths of all finite edges, each counted once. Scene
-// units; 0 where no edge counts.
-// \param percent in [0, 100]
-// \param is_left_out [V] 1: edges of the vertex do not count; empty: all do
-float EdgeLengthPercentile(const Tetrahedralization& tetrahedra, double percent,
-                           const std::vector<uint8_t>& is_left_out = {});
+// Of them the expected noise of points follows, as in COLMAP's delaunay_mesher.
+inline constexpr double kSigmaPercentile = 25;
 
-// The lengths themselves, in no particular order.
+// The lengths of all finite edges, each once, in no particular order.
+// \param is_left_out [V] 1: edges of the vertex do not count; empty: all do
 std::vector<float> EdgeLengths(const Tetrahedralization& tetrahedra,
                                const std::vector<uint8_t>& is_left_out = {});
 
-// Which points become vertices, as in COLMAP's delaunay_mesher: a point is left
-// out when it falls into a cell whose four vertices all lie, in all of its
-// views, within max_proj_dist pixels of it and within max_depth_dist of its
-// depth (relative).
-struct ThinningOptions {
-  double max_proj_dist = 20.0;   // px; 0 keeps every point
-  double max_depth_dist = 0.05;  // in [0, 1]
-};
-
-struct ThinnedTetrahedralization {
-  Tetrahedralization tetrahedra;
-  std::vector<uint32_t> vertex_points;  // [V], the cloud's point of each vertex
-  // [P], the vertex of each point: its own; for a repeated point that of the
-  // one that was kept; for a redundant point the nearest one of its cell.
-  std::vector<uint32_t> point_vertices;
-  size_t num_duplicate_points = 0;  // at the very position of another
-};
-
-// Delaunay tetrahedralization of the cloud's points, thinned. Vertices and
-// cells are numbered along a space-filling curve. The result depends neither on
-// the number of threads nor on anything but the input. Points are inserted in
-// parallel where all are kept, else one after the other in a biased randomized
-// insertion order [Amenta2003].
+// Delaunay tetrahedralization of points, inserted in parallel in a biased
+// randomized order [Amenta2003]. Cells are numbered along a space-filling
+// curve. The result does not depend on the number of threads.
 //
-// \pre all positions are finite, view indices < views.size()
+// \param points  distinct and finite; fastest along the curve, as ThinPoints()
+//        has them
 // \throw std::invalid_argument where the points do not span a volume, or are
 //        too many for 32-bit cell indices.
-ThinnedTetrahedralization Tetrahedralize(const PointCloud& cloud,
-                                         const std::vector<View>& views,
-                                         const ThinningOptions& options,
-                                         const Progress& progress = {});
+Tetrahedralization Tetrahedralize(std::vector<Eigen::Vector3f> points,
+                                  const Progress& progress = {});
 
 // Where keys stand in a list that grows: a table of open addresses, which keeps
 // its memory from one list to the next.

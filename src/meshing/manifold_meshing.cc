@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/heap.h"
+#include "base/percentile.h"
 #include "meshing/finish_surface.h"
 #include "meshing/singular_vertices.h"
 #include "meshing/wall_layers.h"
@@ -58,17 +59,18 @@ FlowCapacities MakeGraph(const ManifoldMeshingOptions& options,
                          const WeightedCloud& weighted,
                          const std::vector<uint8_t>& is_end,
                          const std::vector<View>& views,
-                         const ThinnedTetrahedralization& thinned,
+                         const std::vector<uint32_t>& point_vertices,
+                         const Tetrahedralization& tetrahedra,
                          PointCloud depth_ends, const Progress& progress,
                          ManifoldMeshingReport* report) {
-  const Tetrahedralization& tetrahedra = thinned.tetrahedra;
   Report(progress, "Weighing facets", 0);
   FlowCapacities graph = ZeroCapacities(tetrahedra);
   AddQualityWeights(tetrahedra, options.quality_regularization, &graph);
-  constexpr double kSigmaPercentile = 25;  // as in COLMAP's delaunay_mesher
-  report->distance_sigma =
-      options.distance_sigma_factor *
-      EdgeLengthPercentile(tetrahedra, kSigmaPercentile, is_end);
+  std::vector<float> lengths = EdgeLengths(tetrahedra, is_end);
+  report->distance_sigma = lengths.empty()
+                               ? 0
+                               : options.distance_sigma_factor *
+                                     Percentile(kSigmaPercentile, &lengths);
   if (!(report->distance_sigma > 0)) {
     throw std::invalid_argument(
         "too few points to mesh in the region, or left by the masks: take a "
@@ -79,8 +81,8 @@ FlowCapacities MakeGraph(const ManifoldMeshingOptions& options,
     centers.push_back(view.Center());
   }
   Observations observations =
-      ObserveVertices(weighted.cloud, tetrahedra.points.size(),
-                      thinned.point_vertices, weighted.weights);
+      ObserveVertices(weighted.cloud, tetrahedra.points.size(), point_vertices,
+                      weighted.weights);
   observations.is_end = is_end;
   const VisibilityWeightOptions rays = {report->distance_sigma,
                                         options.behind_sigma};
@@ -131,12 +133,13 @@ ExtractedSurface CutSurface(const ManifoldMeshingOptions& options,
                             ManifoldMeshingReport* report) {
   WeightedCloud weighted =
       Prepare(options, std::move(cloud), views, ends, progress, report);
-  ThinnedTetrahedralization thinned =
-      Tetrahedralize(weighted.cloud, views,
-                     {options.max_proj_dist, options.max_depth_dist}, progress);
+  Report(progress, "Thinning points", 0);
+  ThinnedPoints thinned = ThinPoints(weighted.cloud, views, options.thinning);
+  Tetrahedralization tetrahedra =
+      Tetrahedralize(std::move(thinned.positions), progress);
   report->num_duplicate_points = thinned.num_duplicate_points;
-  report->num_vertices = thinned.tetrahedra.points.size();
-  report->num_cells = thinned.tetrahedra.cells.size();
+  report->num_vertices = tetrahedra.points.size();
+  report->num_cells = tetrahedra.cells.size();
   points->is_end = MarkEnds(thinned, &weighted);
   points->supports = SupportOfVertices(
       report->num_vertices, thinned.point_vertices, weighted.weights);
@@ -144,13 +147,12 @@ ExtractedSurface CutSurface(const ManifoldMeshingOptions& options,
     Report(progress, "Measuring the noise", 0);
     points->noises = LocalNoise(
         std::span(weighted.cloud.positions).first(weighted.num_points),
-        thinned.tetrahedra.points);
+        tetrahedra.points);
   }
-  FlowCapacities graph =
-      MakeGraph(options, weighted, points->is_end, views, thinned,
-                std::move(depth_ends), progress, report);
+  FlowCapacities graph = MakeGraph(options, weighted, points->is_end, views,
+                                   thinned.point_vertices, tetrahedra,
+                                   std::move(depth_ends), progress, report);
   // The cut needs most memory: what is no longer needed is freed first.
-  Tetrahedralization tetrahedra = std::move(thinned.tetrahedra);
   points->attributes =
       AttributesOfPoints(weighted.cloud, thinned.vertex_points);
   thinned = {};

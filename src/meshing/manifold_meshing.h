@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "delaunay/thinning.h"
 #include "delaunay/visibility_weights.h"
 #include "mesh/clip_mesh.h"
 #include "mesh/surface.h"
@@ -29,13 +30,8 @@ enum class ObservationWeight {
 };
 
 struct ManifoldMeshingOptions {
-  // A point is left out where it falls into a cell whose vertices all lie
-  // within this distance of it in all of its views (ThinningOptions), px. Zero
-  // keeps every point. COLMAP's default.
-  double max_proj_dist = 20.0;
-
-  // ... and within this share of its depth. In [0, 1]. COLMAP's default.
-  double max_depth_dist = 0.05;
+  // Which points become vertices.
+  ThinningOptions thinning;
 
   // Drop the points of walls that are there twice (DropWeakerLayers).
   bool drop_weaker_layers = true;
@@ -72,8 +68,9 @@ struct ManifoldMeshingOptions {
 
   // A facet is dropped where its longest side is longer than this factor times
   // the given percentile of all facets' sides. A factor of zero keeps every
-  // facet. The percentile is in [0, 100]. COLMAP's defaults.
-  double max_side_length_factor = 25.0;
+  // facet. The percentile is in [0, 100]; COLMAP's default. COLMAP's factor is
+  // 25; our sides are less uneven, and shorter at that percentile.
+  double max_side_length_factor = 35.0;
   double max_side_length_percentile = 95.0;
 
   // Connected components of fewer facets are dropped. 0 or more.

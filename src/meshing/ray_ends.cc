@@ -169,7 +169,7 @@ void AppendEnds(const RayEnds& ends, WeightedCloud* weighted) {
   }
 }
 
-std::vector<uint8_t> MarkEnds(const ThinnedTetrahedralization& thinned,
+std::vector<uint8_t> MarkEnds(const ThinnedPoints& thinned,
                               WeightedCloud* weighted) {
   const size_t num_points = weighted->num_points;
   std::vector<uint8_t> is_end;

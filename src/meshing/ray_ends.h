@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "delaunay/tetrahedralization.h"
+#include "delaunay/thinning.h"
 #include "scene/images.h"
 #include "scene/point_cloud.h"
 #include "scene/region.h"
@@ -112,10 +112,10 @@ inline constexpr float kDepthRayWeight = 8;
 // Adds ends behind the points, each seen by its view.
 void AppendEnds(const RayEnds& ends, WeightedCloud* weighted);
 
-// [V] which vertices of a tetrahedralization are ends of rays; empty: none.
+// [V] which vertices are ends of rays; empty: none.
 // Points that were thinned out in favour of such a vertex, and ends in favour
 // of a point, vote for nothing: their weights become zero.
-std::vector<uint8_t> MarkEnds(const ThinnedTetrahedralization& thinned,
+std::vector<uint8_t> MarkEnds(const ThinnedPoints& thinned,
                               WeightedCloud* weighted);
 
 }  // namespace colmap_ext

@@ -172,8 +172,7 @@ class Certifier {
   }
 
   TileTetrahedra Run(const Progress& progress) {
-    InsertPoints(InsertionOrder(complex_.points.size()), {}, progress,
-                 &complex_);
+    InsertPoints(InsertionOrder(complex_.points.size()), progress, &complex_);
     size_t num_rounds = 0;
     for (uint32_t first_new = 0; first_new < complex_.points.size();
          ++num_rounds) {

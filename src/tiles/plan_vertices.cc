@@ -41,22 +41,6 @@ EdgeSample SampleEdges(const Tetrahedralization& tetrahedra,
   return sample;
 }
 
-// Every point a vertex, but for repeated ones.
-ThinnedTetrahedralization KeepAll(const PointCloud& cloud) {
-  ThinnedTetrahedralization kept;
-  std::vector<uint32_t> representatives;
-  kept.vertex_points = DistinctPoints(cloud.positions, &representatives);
-  std::vector<uint32_t> vertex_of(cloud.size());
-  for (uint32_t i = 0; i < kept.vertex_points.size(); ++i) {
-    vertex_of[kept.vertex_points[i]] = i;
-    kept.tetrahedra.points.push_back(cloud.positions[kept.vertex_points[i]]);
-  }
-  for (const uint32_t representative : representatives) {
-    kept.point_vertices.push_back(vertex_of[representative]);
-  }
-  return kept;
-}
-
 }  // namespace
 
 uint32_t PlanBlocks::BlockOf(uint32_t vertex) const {
@@ -132,28 +116,18 @@ std::vector<Eigen::Vector3f> PositionsOf(const PlanVertices& plan,
 }
 
 TileVertices ThinTile(WeightedCloud weighted, const std::vector<View>& views,
-                      const ThinningOptions& options,
-                      const Progress& progress) {
+                      const ThinningOptions& options) {
   const PointCloud& cloud = weighted.cloud;
-  ThinnedTetrahedralization thinned;
+  ThinnedPoints thinned = ThinPoints(cloud, views, options);
   TileVertices vertices;
-  bool spans_volume = SpansVolume(cloud.positions);
-  if (!spans_volume) {  // Or the first points are the same.
-    thinned = KeepAll(cloud);
-    spans_volume = SpansVolume(thinned.tetrahedra.points);
-  }
-  if (spans_volume) {
-    thinned = Tetrahedralize(cloud, views, options, progress);
-  }
   const std::vector<uint8_t> is_end = MarkEnds(thinned, &weighted);
-  vertices.noises =
-      LocalNoise(std::span(cloud.positions).first(weighted.num_points),
-                 thinned.tetrahedra.points);
-  if (!thinned.tetrahedra.cells.empty()) {
-    vertices.edges = SampleEdges(thinned.tetrahedra, is_end);
+  vertices.noises = LocalNoise(
+      std::span(cloud.positions).first(weighted.num_points), thinned.positions);
+  if (SpansVolume(thinned.positions)) {
+    vertices.edges = SampleEdges(Tetrahedralize(thinned.positions), is_end);
   }
   const size_t num_vertices = thinned.vertex_points.size();
-  vertices.positions = std::move(thinned.tetrahedra.points);
+  vertices.positions = std::move(thinned.positions);
   vertices.observations = ObserveVertices(
       cloud, num_vertices, thinned.point_vertices, weighted.weights);
   vertices.observations.is_end = is_end;

@@ -9,11 +9,10 @@
 #include <Eigen/Geometry>
 
 #include "base/rows.h"
-#include "delaunay/tetrahedralization.h"
+#include "delaunay/thinning.h"
 #include "delaunay/visibility_weights.h"
 #include "mesh/surface.h"
 #include "meshing/ray_ends.h"
-#include "scene/progress.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
@@ -84,9 +83,6 @@ struct EdgeSample {
   size_t num_edges = 0;
 };
 
-// As in COLMAP's delaunay_mesher.
-inline constexpr double kSigmaPercentile = 25;
-
 // The vertices that a tile's points leave, and what belongs to them.
 struct TileVertices {
   std::vector<Eigen::Vector3f> positions;  // [V] along the curve
@@ -99,12 +95,11 @@ struct TileVertices {
 };
 
 // Thins the points of a tile by themselves: what is kept depends on no other
-// tile. A tile whose points span no volume keeps them all.
+// tile.
 // \param weighted  the points, and the ends of rays that lie in the tile
 // \pre the cloud has points
 TileVertices ThinTile(WeightedCloud weighted, const std::vector<View>& views,
-                      const ThinningOptions& options,
-                      const Progress& progress = {});
+                      const ThinningOptions& options);
 
 // kSigmaPercentile of the lengths of all tiles' edges; of one tile's the very
 // one that its mesher has. 0 where there are none.

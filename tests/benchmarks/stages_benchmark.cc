@@ -5,7 +5,9 @@
 
 #include <benchmark/benchmark.h>
 
+#include "base/percentile.h"
 #include "delaunay/tetrahedralization.h"
+#include "delaunay/thinning.h"
 #include "delaunay/visibility_weights.h"
 #include "meshing/manifold_meshing.h"
 #include "optim/min_cut.h"
@@ -22,20 +24,22 @@ struct Stages {
     options.scene.height = width * 3 / 4;
     options.render_images = false;
     scene = synthetic::MakeDenseScene(options);
-    thinned = Tetrahedralize(scene.fused.cloud, scene.scene.views, {});
+    const ThinnedPoints thinned =
+        ThinPoints(scene.fused.cloud, scene.scene.views, {});
+    positions = thinned.positions;
+    tetrahedra = Tetrahedralize(positions);
     for (const View& view : scene.scene.views) {
       centers.push_back(view.Center());
     }
-    observations =
-        ObserveVertices(scene.fused.cloud, thinned.tetrahedra.points.size(),
-                        thinned.point_vertices,
-                        std::vector<float>(scene.fused.cloud.size(), 1.0f));
-    sigma = EdgeLengthPercentile(thinned.tetrahedra, 25);
-    graph = ZeroCapacities(thinned.tetrahedra);
+    observations = ObserveVertices(
+        scene.fused.cloud, positions.size(), thinned.point_vertices,
+        std::vector<float>(scene.fused.cloud.size(), 1.0f));
+    std::vector<float> lengths = EdgeLengths(tetrahedra);
+    sigma = Percentile(kSigmaPercentile, &lengths);
+    graph = ZeroCapacities(tetrahedra);
     empty_graph = graph;
-    AddQualityWeights(thinned.tetrahedra, 1, &graph);
-    AddVisibilityWeights(thinned.tetrahedra, observations, centers, {sigma, 1},
-                         &graph);
+    AddQualityWeights(tetrahedra, 1, &graph);
+    AddVisibilityWeights(tetrahedra, observations, centers, {sigma, 1}, &graph);
   }
 
   static const Stages& OfWidth(int64_t width) {
@@ -49,7 +53,8 @@ struct Stages {
   }
 
   synthetic::DenseScene scene;
-  ThinnedTetrahedralization thinned;
+  std::vector<Eigen::Vector3f> positions;
+  Tetrahedralization tetrahedra;
   std::vector<Eigen::Vector3d> centers;
   Observations observations;
   double sigma = 0;
@@ -69,25 +74,29 @@ void Run(benchmark::State& state, const Function& function) {
       static_cast<int64_t>(stages.scene.fused.cloud.size()));
 }
 
-void BM_Tetrahedralize(benchmark::State& state) {
+void BM_ThinPoints(benchmark::State& state) {
   Run(state, [](const Stages& stages) {
-    return Tetrahedralize(stages.scene.fused.cloud, stages.scene.scene.views,
-                          {});
+    return ThinPoints(stages.scene.fused.cloud, stages.scene.scene.views, {});
   });
+}
+
+void BM_Tetrahedralize(benchmark::State& state) {
+  Run(state,
+      [](const Stages& stages) { return Tetrahedralize(stages.positions); });
 }
 
 void BM_WalkRays(benchmark::State& state) {
   Run(state, [](const Stages& stages) {
     FlowCapacities graph = stages.empty_graph;
-    AddVisibilityWeights(stages.thinned.tetrahedra, stages.observations,
-                         stages.centers, {stages.sigma, 1}, &graph);
+    AddVisibilityWeights(stages.tetrahedra, stages.observations, stages.centers,
+                         {stages.sigma, 1}, &graph);
     return graph;
   });
 }
 
 void BM_MinCut(benchmark::State& state) {
   Run(state, [](const Stages& stages) {
-    return ComputeMinCut(NeighborsOf(stages.thinned.tetrahedra), stages.graph);
+    return ComputeMinCut(NeighborsOf(stages.tetrahedra), stages.graph);
   });
 }
 
@@ -102,6 +111,7 @@ void Widths(benchmark::internal::Benchmark* benchmark) {
   benchmark->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 
+BENCHMARK(BM_ThinPoints)->Apply(Widths);
 BENCHMARK(BM_Tetrahedralize)->Apply(Widths);
 BENCHMARK(BM_WalkRays)->Apply(Widths);
 BENCHMARK(BM_MinCut)->Apply(Widths);

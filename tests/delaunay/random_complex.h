@@ -12,6 +12,7 @@
 
 #include "delaunay/ray_walk.h"
 #include "delaunay/tetrahedralization.h"
+#include "delaunay/thinning.h"
 #include "delaunay/visibility_weights.h"
 #include "optim/min_cut.h"
 #include "scene/point_cloud.h"
@@ -120,7 +121,8 @@ inline PointCloud CloudOf(const std::vector<Eigen::Vector3f>& points) {
 // Of all points.
 inline Tetrahedralization DelaunayOf(
     const std::vector<Eigen::Vector3f>& points) {
-  return Tetrahedralize(CloudOf(points), {}, {.max_proj_dist = 0}).tetrahedra;
+  return Tetrahedralize(
+      ThinPoints(CloudOf(points), {}, {.max_proj_dist = 0}).positions);
 }
 
 // The way of one ray.

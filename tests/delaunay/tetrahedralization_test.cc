@@ -16,10 +16,6 @@
 
 namespace colmap_ext::tetrahedralization_test {
 
-ThinnedTetrahedralization KeepAll(const std::vector<Eigen::Vector3f>& points) {
-  return Tetrahedralize(CloudOf(points), {}, {.max_proj_dist = 0});
-}
-
 TEST(Tetrahedralization, IsAClosedDelaunayComplexWithAConvexHull) {
   for (const auto& [name, points] : DifficultPoints()) {
     SCOPED_TRACE(name);
@@ -42,27 +38,6 @@ TEST(Tetrahedralization, IsAClosedDelaunayComplexWithAConvexHull) {
       for (const Eigen::Vector3f& point : tetrahedra.points) {
         ASSERT_LE(ExactOrientation(a, b, c, ToIntegers(point)), 0);
       }
-    }
-  }
-}
-
-TEST(Tetrahedralization, EveryPointHasItsVertex) {
-  for (const auto& [name, points] : DifficultPoints()) {
-    SCOPED_TRACE(name);
-    const ThinnedTetrahedralization result = KeepAll(points);
-    ASSERT_EQ(result.point_vertices.size(), points.size());
-    ASSERT_EQ(result.vertex_points.size(), result.tetrahedra.points.size());
-    EXPECT_EQ(result.num_duplicate_points,
-              points.size() - result.tetrahedra.points.size());
-    for (size_t i = 0; i < points.size(); ++i) {
-      EXPECT_EQ(result.tetrahedra.points[result.point_vertices[i]], points[i]);
-    }
-    for (uint32_t vertex = 0; vertex < result.vertex_points.size(); ++vertex) {
-      const uint32_t point = result.vertex_points[vertex];
-      EXPECT_EQ(result.point_vertices[point], vertex);
-      // Of duplicates the first.
-      EXPECT_EQ(std::ranges::find(points, points[point]),
-                points.begin() + point);
     }
   }
 }
@@ -97,10 +72,7 @@ TEST(Tetrahedralization, RefusesWhatSpansNoVolume) {
         // The fourth is at another's position.
         std::vector<Eigen::Vector3f>{
             {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}}}) {
-    for (const double max_proj_dist : {0.0, 20.0}) {
-      EXPECT_THROW(Tetrahedralize(CloudOf(points), {}, {max_proj_dist}),
-                   std::invalid_argument);
-    }
+    EXPECT_THROW(DelaunayOf(points), std::invalid_argument);
   }
 }
 
@@ -108,9 +80,7 @@ TEST(Tetrahedralization, TellsZerosOfEitherSignNotApart) {
   std::vector<Eigen::Vector3f> points = GridPoints(3);
   const Tetrahedralization expected = DelaunayOf(points);
   points.emplace_back(-0.0f, 0.0f, -0.0f);
-  const ThinnedTetrahedralization result = KeepAll(points);
-  EXPECT_EQ(result.num_duplicate_points, 1u);
-  EXPECT_TRUE(result.tetrahedra == expected);
+  EXPECT_TRUE(DelaunayOf(points) == expected);
 }
 
 TEST(IncidentCells, AreAllThatHaveTheVertex) {
@@ -161,7 +131,7 @@ TEST(CellPlaces, AreThoseOfAMap) {
   EXPECT_GT(num_repeats, 100u);
 }
 
-TEST(EdgeLengthPercentile, CountsEveryFiniteEdgeOnceAndIsZeroWithoutAny) {
+TEST(EdgeLengths, AreThoseOfEveryFiniteEdgeOnce) {
   for (const auto& [name, points] : DifficultPoints()) {
     SCOPED_TRACE(name);
     const Tetrahedralization tetrahedra = DelaunayOf(points);
@@ -180,102 +150,14 @@ TEST(EdgeLengthPercentile, CountsEveryFiniteEdgeOnceAndIsZeroWithoutAny) {
       lengths.push_back((tetrahedra.points[u] - tetrahedra.points[v]).norm());
     }
     std::ranges::sort(lengths);
-    for (const double percent : {0.0, 10.0, 25.0, 50.0, 99.0, 100.0}) {
-      const auto nth = static_cast<size_t>(
-          std::round(percent / 100 * static_cast<double>(lengths.size() - 1)));
-      EXPECT_EQ(EdgeLengthPercentile(tetrahedra, percent), lengths[nth]);
-    }
+    std::vector<float> found = EdgeLengths(tetrahedra);
+    std::ranges::sort(found);
+    EXPECT_EQ(found, lengths);
     std::vector<uint8_t> is_left_out(tetrahedra.points.size(), 1);
-    EXPECT_EQ(EdgeLengthPercentile(tetrahedra, 25, is_left_out), 0);
+    EXPECT_TRUE(EdgeLengths(tetrahedra, is_left_out).empty());
     is_left_out.front() = 0;  // A vertex alone has no edge.
-    EXPECT_EQ(EdgeLengthPercentile(tetrahedra, 25, is_left_out), 0);
+    EXPECT_TRUE(EdgeLengths(tetrahedra, is_left_out).empty());
   }
-}
-
-// Points on a wavy sheet, before two views that see each of them, some of them
-// one, or none.
-struct SeenSheet {
-  SeenSheet() {
-    for (const double x : {0, 1}) {
-      views.push_back({"", 1000, 1000, 1000, 1000, 500, 500});
-      views.back().cam_from_world_translation = {x, 0, 10};
-    }
-    Random random(3);
-    for (int i = 0; i < 4000; ++i) {
-      const double x = 6 * random.Unit() - 3;
-      const double y = 6 * random.Unit() - 3;
-      cloud.positions.push_back(
-          Eigen::Vector3d(
-              x, y, std::sin(3 * x) * std::cos(2 * y) + 0.05 * random.Unit())
-              .cast<float>());
-      for (uint32_t view = 0; view < 2; ++view) {
-        if (random.Chance(0.9)) {
-          cloud.views.values.push_back(view);
-        }
-      }
-      cloud.views.EndRow();
-    }
-  }
-
-  PointCloud cloud;
-  std::vector<View> views;
-};
-
-TEST(Thinning, PointsLeftOutLieNearTheirVertexInAllTheirViews) {
-  const SeenSheet sheet;
-  for (const double max_proj_dist : {5.0, 20.0, 60.0}) {
-    constexpr double kMaxDepthDist = 0.01;
-    const ThinningOptions options = {max_proj_dist, kMaxDepthDist};
-    const auto result = Tetrahedralize(sheet.cloud, sheet.views, options);
-    EXPECT_EQ(DefectOf(result.tetrahedra, false), "");
-    size_t num_left_out = 0;
-    for (uint32_t point = 0; point < sheet.cloud.size(); ++point) {
-      const uint32_t vertex = result.point_vertices[point];
-      if (result.vertex_points[vertex] == point) {
-        continue;
-      }
-      ++num_left_out;
-      for (const uint32_t index : sheet.cloud.views[point]) {
-        const View& view = sheet.views[index];
-        const Eigen::Vector3d a =
-            view.CamFromWorld(sheet.cloud.positions[point].cast<double>());
-        const Eigen::Vector3d b =
-            view.CamFromWorld(result.tetrahedra.points[vertex].cast<double>());
-        EXPECT_LE((view.ImageFromCam(a) - view.ImageFromCam(b)).norm(),
-                  max_proj_dist);
-        EXPECT_LE(std::abs(a.z() / b.z() - 1), kMaxDepthDist);
-      }
-    }
-    EXPECT_EQ(num_left_out + result.vertex_points.size(), sheet.cloud.size());
-    EXPECT_GT(num_left_out, 0u);
-  }
-}
-
-TEST(Thinning, LargerDistancesKeepFewerPoints) {
-  const SeenSheet sheet;
-  const auto num_kept = [&](double max_proj_dist, double max_depth_dist) {
-    return Tetrahedralize(sheet.cloud, sheet.views,
-                          {max_proj_dist, max_depth_dist})
-        .vertex_points.size();
-  };
-  EXPECT_EQ(num_kept(0, 0.05), sheet.cloud.size());
-  EXPECT_LT(num_kept(10, 0.05), num_kept(1, 0.05));
-  EXPECT_LT(num_kept(40, 0.05), num_kept(10, 0.05));
-  EXPECT_LT(num_kept(160, 0.05), num_kept(40, 0.05));
-  EXPECT_LT(num_kept(40, 0.05), num_kept(40, 0.005));
-}
-
-// And Delaunay of what is kept.
-TEST(Thinning, IsTheSameEveryTime) {
-  const SeenSheet sheet;
-  ExpectSameForAnyThreads([&] {
-    auto thinned = Tetrahedralize(sheet.cloud, sheet.views, {20, 0.05});
-    return std::tuple(std::move(thinned.tetrahedra),
-                      std::move(thinned.vertex_points),
-                      std::move(thinned.point_vertices));
-  });
-  const auto thinned = Tetrahedralize(sheet.cloud, sheet.views, {20, 0.05});
-  EXPECT_TRUE(thinned.tetrahedra == DelaunayOf(thinned.tetrahedra.points));
 }
 
 // Points along the curve, the first hundred of their order inserted.
@@ -295,11 +177,13 @@ struct Begun {
   // Inserts what is missing of the first points.
   void InsertFirst(size_t count) {
     PointInserter inserter(0, Size(), &complex);
+    AddFreeCells(16 * count + 1000, &complex);
+    inserter.free_cells().swap(complex.free_cells);
     for (size_t i = 0; i < std::min(count, order.size()); ++i) {
       if (complex.vertex_cells[order[i]] == kNone) {
         const uint32_t hint = complex.vertex_cells[order.front()];
-        InsertPoint(order[i], inserter.Locate(order[i], hint), &inserter,
-                    &complex);
+        ASSERT_NE(inserter.Insert(order[i], inserter.Locate(order[i], hint)),
+                  kNone);
       }
     }
     GiveBack(inserter);

@@ -48,7 +48,7 @@ TEST_P(EndToEnd, TheMeshIsTheScenesSurface) {
   DenseScene dense = MakeSmallScene(GetParam());
   PointCloud& cloud = dense.fused.cloud;
   ManifoldMeshingOptions options;
-  options.max_proj_dist = 2;
+  options.thinning.max_proj_dist = 2;
   // The smoothing alone is off by as much on such small images.
   ManifoldMeshingOptions unsmoothed = options;
   unsmoothed.smoothing = 0;

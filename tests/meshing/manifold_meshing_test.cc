@@ -93,13 +93,13 @@ auto PartsOf(const ManifoldMesh& mesh) {
 // Options that keep all points.
 ManifoldMeshingOptions KeepAll() {
   ManifoldMeshingOptions options;
-  options.max_proj_dist = 0;
+  options.thinning.max_proj_dist = 0;
   return options;
 }
 
 std::vector<ManifoldMeshingOptions> Variants() {
   std::vector<ManifoldMeshingOptions> variants(6);
-  variants[1].max_proj_dist = 0;
+  variants[1].thinning.max_proj_dist = 0;
   variants[2].preemptive_fixing = false;
   variants[3].fixing_rule = FixingRule::kPaper;
   variants[4].alpha_kind = ObservationWeight::kConstant;
@@ -115,7 +115,7 @@ TEST(MeshManifold, OfASphereIsOneSphere) {
   const SphereScene scene;
   for (const double max_proj_dist : {0.0, 20.0}) {
     ManifoldMeshingOptions options;
-    options.max_proj_dist = max_proj_dist;
+    options.thinning.max_proj_dist = max_proj_dist;
     const ManifoldMesh result = scene.Mesh(options);
     EXPECT_TRUE(HasManifoldLinks(result.mesh));
     const MeshReport& report = result.report.mesh;
@@ -267,7 +267,7 @@ TEST(MeshManifold, ReportsWhatItDid) {
     // Those of points that were thinned out to one vertex are one.
     EXPECT_LE(report.rays.num_rays, report.num_observations);
     EXPECT_GT(report.rays.num_rays, report.num_observations / 2);
-    EXPECT_TRUE(options.max_proj_dist > 0 ||
+    EXPECT_TRUE(options.thinning.max_proj_dist > 0 ||
                 report.rays.num_rays == report.num_observations);
     EXPECT_EQ(report.rays.num_lost_rays, 0u);
     EXPECT_EQ(report.flow, report.cut);
@@ -276,7 +276,7 @@ TEST(MeshManifold, ReportsWhatItDid) {
     EXPECT_LT(report.num_free_cells, report.num_cells);
     EXPECT_GT(report.distance_sigma, 0);
     EXPECT_EQ(report.num_vertices == scene.cloud.size(),
-              options.max_proj_dist == 0);
+              options.thinning.max_proj_dist == 0);
     EXPECT_EQ(report.mesh.num_vertices, result.mesh.vertices.size());
     EXPECT_EQ(report.mesh.num_facets, result.mesh.facets.size());
     EXPECT_EQ(result.attributes.colors.size(), result.mesh.vertices.size());

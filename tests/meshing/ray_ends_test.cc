@@ -104,7 +104,7 @@ TEST_F(CropCloudTest, AppendsEndsBehindThePoints) {
 // A point that is thinned out in favour of an end, or the other way around,
 // votes for nothing.
 TEST(MarkEndsTest, SilencesWhatWasThinnedAcross) {
-  ThinnedTetrahedralization thinned;
+  ThinnedPoints thinned;
   thinned.vertex_points = {0, 2};         // the third is an end
   thinned.point_vertices = {0, 1, 1, 0};  // of two points and two ends
   WeightedCloud weighted;

@@ -365,7 +365,7 @@ TEST(Presets, CostMoreFromLowToExtreme) {
   for (const char* quality : {"low", "medium", "high", "extreme"}) {
     const double distance =
         Parse<MesherOptions>(AddMesherOptions, {"--quality", quality})
-            .meshing.max_proj_dist;
+            .meshing.thinning.max_proj_dist;
     EXPECT_LT(distance, before);
     before = distance;
   }

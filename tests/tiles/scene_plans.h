@@ -353,7 +353,7 @@ struct WholeCut {
     std::vector<uint32_t> numbers = Iota(plan.positions().size());
     GrowingComplex complex;
     complex.points = plan.positions();
-    InsertPoints(InsertionOrder(numbers.size()), {}, {}, &complex);
+    InsertPoints(InsertionOrder(numbers.size()), {}, &complex);
     tetrahedra = TakeTetrahedra(numbers, &complex);
     graph = ZeroCapacities(tetrahedra);
     AddQualityWeights(tetrahedra, scene.options.quality_regularization, &graph);
