@@ -8,6 +8,7 @@
 #include <tbb/task_arena.h>
 
 #include "base/mix_bits.h"
+#include "base/rows.h"
 #include "mesh/space_filling_curve.h"
 
 namespace colmap_ext {

@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/rows.h"
 #include "delaunay/growing_complex.h"
 
 namespace colmap_ext {

@@ -171,7 +171,7 @@ def compare(args, workspace, folder, seconds_unthinned):
     ratio = pixel_ratio(workspace)
     same = [("max_proj_dist", round(20 / ratio, 4))]
     jobs = [("`delaunay_mesher`", THEIRS, []),
-            ("ours, same thinning", OURS, same)]
+            ("ours, same distance", OURS, same)]
     if abs(ratio - 1) > 0.01:
         jobs.append(("ours, default", OURS, []))
     if seconds_unthinned:

@@ -17,8 +17,8 @@ README = ROOT / "README.md"
 RESULTS = ROOT / "docs" / "results.md"
 COMMANDS = ("`delaunay_mesher`", "`ReconstructMesh`", "`delaunay_manifold_mesher`",
             "`RefineMesh`", "`facetwise_refiner`")
-# Where our meshers' rows are: "ours, default" where the thinning differs.
-OURS = ("ours, default", "ours, same thinning")
+# Where our meshers' rows are: "ours, default" where the distance differs.
+OURS = ("ours, default", "ours, same distance")
 
 
 class Figures:
@@ -109,16 +109,17 @@ def readme_text(figures):
     def of_meshers(name, column):
         return figures.find("2 threads", column, "fountain", name)
 
-    ours, theirs = (f"{int(of_meshers(name, 'vertices in')):,}"
-                    for name in (OURS[0], "`delaunay_mesher`"))
+    ours, same, theirs = (f"{int(of_meshers(name, 'vertices in')):,}"
+                          for name in (*OURS, "`delaunay_mesher`"))
     faster = of_meshers(OURS[1], "faster, smaller").split("x")[0]
     posed = figures.find("poses that are off, 1e-3 units", "`auto`", "bunny", "0.5")
     errors = " and ".join(rounded(x, "0.01") for x in posed.split(", "))
     yield (f"{figures.machine}, two threads, no graphics card. Both meshers thin the "
            f"points: by default ours keeps {ours} vertices of")
-    yield (f"`fountain`, `delaunay_mesher` {theirs}. With the same thinning ours is "
-           f"{faster} times as fast. If the poses of `bunny` are off by half")
-    yield f"a pixel, the errors of the refined mesh are {errors}."
+    yield (f"`fountain`, `delaunay_mesher` {theirs}. With the same `max_proj_dist` ours "
+           f"keeps {same} and is {faster} times")
+    yield ("as fast. If the poses of `bunny` are off by half a pixel, the errors of the "
+           f"refined mesh are {errors}.")
 
 
 def fill(text, name, lines):
