@@ -14,8 +14,8 @@ namespace colmap_ext {
 // Which points become vertices: a point is left out where one that is kept is
 // nearer to it than a fifth of max_proj_dist covers in the nearest of its
 // views, and than max_depth_dist of its depth there. COLMAP's delaunay_mesher
-// judges by the cell that a point falls into; with the same options about as
-// many points stay, but unevenly.
+// judges by the cell that a point falls into: with the same options it keeps
+// about as many points, less evenly.
 struct ThinningOptions {
   double max_proj_dist = 20.0;   // px; 0 keeps every point
   double max_depth_dist = 0.05;  // of the depth, in [0, 1]; 0 keeps every point

@@ -112,9 +112,9 @@ inline constexpr float kDepthRayWeight = 8;
 // Adds ends behind the points, each seen by its view.
 void AppendEnds(const RayEnds& ends, WeightedCloud* weighted);
 
-// [V] which vertices are ends of rays; empty: none.
-// Points that were thinned out in favour of such a vertex, and ends in favour
-// of a point, vote for nothing: their weights become zero.
+// [V] which vertices are ends of rays; empty: none. Points that were thinned
+// out in favour of such a vertex, and ends in favour of a point, vote for
+// nothing: their weights become zero.
 std::vector<uint8_t> MarkEnds(const ThinnedPoints& thinned,
                               WeightedCloud* weighted);
 

@@ -1,11 +1,9 @@
 #include "delaunay/tetrahedralization.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
 
 #include <gtest/gtest.h>
