@@ -180,8 +180,9 @@ class Refiner {
     files->Sync();
     if (refined.alignment.IsRefined()) {
       WriteRefinedCameras(paths_.refined_sparse,
-                          options_.refinement.cameras.parts, refined.views,
-                          refined.alignment.track_positions, &input_);
+                          options_.refinement.cameras.parts,
+                          input_.workspace.sparse_path, refined.views,
+                          refined.alignment.track_positions);
     }
     files->Commit();
     run_.RemoveFiles();

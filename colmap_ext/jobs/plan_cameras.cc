@@ -8,27 +8,8 @@
 #include "workspace/workspace_paths.h"
 
 namespace colmap_ext {
-namespace {
 
 namespace fs = std::filesystem;
-
-// [views] The index of each view's image in the model.
-std::vector<size_t> ImagesOf(const std::vector<View>& views,
-                             const SparseModel& model, const fs::path& path) {
-  std::vector<size_t> of_views;
-  for (const View& view : views) {
-    const auto found =
-        std::ranges::find(model.images, view.name, &SparseImage::name);
-    if (found == model.images.end()) {
-      throw FileError(path, "has no image " + view.name +
-                                ": it is not the model of the plan");
-    }
-    of_views.push_back(static_cast<size_t>(found - model.images.begin()));
-  }
-  return of_views;
-}
-
-}  // namespace
 
 fs::path ImagesPath(const Plan& plan) {
   return FindUndistortedFolder(plan.workspace_path) / "images";
@@ -50,18 +31,15 @@ void RefineCameras(const RefinerOptions& options, const Plan& plan,
   const Progress& progress = console->progress;
   Report(progress, "Reading the sparse model", 0);
   ExpectSame(plan);
-  SparseModel model = ReadSparseModel(plan.sparse_path, SparseDetail::kAll);
   RefinementInput input;
   input.views = plan.views;
   input.picture_errors.resize(input.views.size());
   input.points = {surface.mesh.vertices, {}, surface.attributes.views};
-  input.workspace.sparse_path = plan.sparse_path;
-  input.workspace.order.order.images =
-      ImagesOf(plan.views, model, plan.sparse_path);
   Report(progress, "Reading the images", 0);
   ReadPictures(options, ImagesPath(plan), MasksOf(plan, decoder), decoder,
                &input);
-  SetSparseModel(std::move(model), &input);
+  input.cameras =
+      ReadRefinableCameras(plan.sparse_path, input.views, input.images);
   RefinementHooks hooks;
   hooks.progress = progress;
   const CameraAlignment alignment = AlignCameras(
@@ -77,8 +55,8 @@ void RefineCameras(const RefinerOptions& options, const Plan& plan,
   }
   Report(progress, "Writing the cameras", 0);
   WriteRefinedCameras(RefinedSparsePath(plan.folder),
-                      options.refinement.cameras.parts, input.views,
-                      alignment.track_positions, &input);
+                      options.refinement.cameras.parts, plan.sparse_path,
+                      input.views, alignment.track_positions);
   refinement->radial_shifts = alignment.misalignment.radial_shifts;
   for (size_t i = 0; i < plan.views.size(); ++i) {
     refinement->views[i] =

@@ -1,15 +1,23 @@
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include <Eigen/Geometry>
 
 #include "base/indices.h"
 #include "colmap_ext/jobs/refinement_input.h"
+#include "workspace/sparse_model.h"
 
 namespace colmap_ext {
 namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kChanged =
+    ": it is not the model that the refinement began with";
 
 // See CameraSet::leaders.
 // \param view_indices  by image_id
@@ -44,14 +52,31 @@ void MoveFrame(const SparseImage& image, const View& view, SparseFrame* frame) {
           .normalized();
 }
 
-// The sparse model as the refinement of the cameras takes it.
-std::shared_ptr<const RefinableCameras> MakeRefinableCameras(
-    const RefinementInput& input) {
-  const SparseModel& model = input.sparse_model;
-  const std::vector<size_t>& order = input.workspace.order.order.images;
+// [views] The index of each view's image in the model.
+std::vector<size_t> ImagesOf(const std::vector<View>& views,
+                             const SparseModel& model, const fs::path& path) {
+  std::vector<size_t> of_views;
+  for (const View& view : views) {
+    const auto found =
+        std::ranges::find(model.images, view.name, &SparseImage::name);
+    if (found == model.images.end()) {
+      throw FileError(path, "has no image " + view.name + kChanged);
+    }
+    of_views.push_back(static_cast<size_t>(found - model.images.begin()));
+  }
+  return of_views;
+}
+
+}  // namespace
+
+std::shared_ptr<const RefinableCameras> ReadRefinableCameras(
+    const fs::path& path, const std::vector<View>& views,
+    std::shared_ptr<ImagePyramid> images) {
+  const SparseModel model = ReadSparseModel(path, SparseDetail::kAll);
+  const std::vector<size_t> order = ImagesOf(views, model, path);
   auto cameras = std::make_shared<RefinableCameras>();
-  cameras->views = input.views;
-  cameras->images = input.images;
+  cameras->views = views;
+  cameras->images = std::move(images);
   std::map<uint32_t, uint32_t> camera_indices;  // by camera_id
   std::map<uint32_t, uint32_t> view_indices;    // by image_id
   for (size_t i = 0; i < order.size(); ++i) {
@@ -77,7 +102,7 @@ std::shared_ptr<const RefinableCameras> MakeRefinableCameras(
         continue;  // observations are left out of some models
       }
       const SparseCamera& camera = model.cameras.at(image.camera_id);
-      const View& view = input.views[it->second];
+      const View& view = views[it->second];
       const Eigen::Vector2d scale(1.0 * view.width / camera.width,
                                   1.0 * view.height / camera.height);
       const Eigen::Vector2d& pixel =
@@ -93,19 +118,14 @@ std::shared_ptr<const RefinableCameras> MakeRefinableCameras(
   return cameras;
 }
 
-}  // namespace
-
-void SetSparseModel(SparseModel model, RefinementInput* input) {
-  input->sparse_model = std::move(model);
-  input->cameras = MakeRefinableCameras(*input);
-}
-
-void WriteRefinedCameras(const std::filesystem::path& folder,
-                         RefinedParts parts, const std::vector<View>& views,
-                         const std::vector<Eigen::Vector3d>& positions,
-                         RefinementInput* input) {
-  SparseModel model = std::move(input->sparse_model);
-  const std::vector<size_t>& order = input->workspace.order.order.images;
+void WriteRefinedCameras(const fs::path& folder, RefinedParts parts,
+                         const fs::path& path, const std::vector<View>& views,
+                         const std::vector<Eigen::Vector3d>& positions) {
+  SparseModel model = ReadSparseModel(path, SparseDetail::kAll);
+  const std::vector<size_t> order = ImagesOf(views, model, path);
+  if (positions.size() != model.exact_positions.size()) {
+    throw FileError(path, std::string("has other points") + kChanged);
+  }
   std::map<uint32_t, size_t> view_indices;  // by image_id
   for (size_t i = 0; i < order.size(); ++i) {
     view_indices[model.images[order[i]].image_id] = i;

@@ -268,8 +268,8 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
       masks.empty() ? ReadGrayImage() : MaskReader(masks, input.views, decoder),
       decoder, &input);
   Report(progress, "Reading the sparse model", 0);
-  SetSparseModel(
-      ReadSparseModel(input.workspace.sparse_path, SparseDetail::kAll), &input);
+  input.cameras = ReadRefinableCameras(input.workspace.sparse_path, input.views,
+                                       input.images);
   return input;
 }
 

@@ -20,7 +20,6 @@
 #include "scene/region.h"
 #include "scene/view.h"
 #include "workspace/read_pictures.h"
-#include "workspace/sparse_model.h"
 #include "workspace/workspace.h"
 
 namespace colmap_ext {
@@ -60,8 +59,7 @@ struct RefinementInput : Surface {
   std::shared_ptr<ImagePyramid> images;     // [views], read as memory allows
 
   std::shared_ptr<const RefinableCameras> cameras;
-  bool is_part = false;      // see RefinementStart
-  SparseModel sparse_model;  // in full
+  bool is_part = false;  // see RefinementStart
 
   WorkspaceReport workspace;
   bool has_fused_points = true;     // else the mesh's vertices stand for them
@@ -82,10 +80,12 @@ void ReadPictures(const RefinerOptions& options,
                   const ReadGrayImage& read_mask, const PictureDecoder& decoder,
                   RefinementInput* input);
 
-// Adds the sparse model, by whose tracks cameras are refined or measured.
-// \param model  read in full
-// \pre the input has its views, images, and their order
-void SetSparseModel(SparseModel model, RefinementInput* input);
+// Reads a sparse model as the refinement of the cameras takes it.
+// \param views  by the pictures' sizes; images of the model by their names
+// \throw FileError if the model cannot be read, or has no such image.
+std::shared_ptr<const RefinableCameras> ReadRefinableCameras(
+    const std::filesystem::path& path, const std::vector<View>& views,
+    std::shared_ptr<ImagePyramid> images);
 
 // Reads the mesh with its .vis, the cameras, and the fused points, and reads
 // all pictures once to see that they can be read.
@@ -103,13 +103,13 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
 JobInputs RunInputs(const RefinerOptions& options, const RefinementPaths& paths,
                     const RefinementInput& input);
 
-// Writes the sparse model of the input, which is moved from, with what was
-// refined: poses and points, or also intrinsics, scaled to the cameras' sizes.
-// \param views  by the pictures' sizes, which may not be the cameras'.
+// Writes the sparse model of ReadRefinableCameras() with what was refined:
+// poses and points, or also intrinsics, scaled to the cameras' sizes.
 // \param positions  [P]
+// \throw FileError as that, if there are other points, or it cannot write.
 void WriteRefinedCameras(const std::filesystem::path& folder,
-                         RefinedParts parts, const std::vector<View>& views,
-                         const std::vector<Eigen::Vector3d>& positions,
-                         RefinementInput* input);
+                         RefinedParts parts, const std::filesystem::path& path,
+                         const std::vector<View>& views,
+                         const std::vector<Eigen::Vector3d>& positions);
 
 }  // namespace colmap_ext

@@ -272,7 +272,8 @@ RefinedMesh ResumableRefinement::Run(RefinementInput* input) {
   RefinedMesh refined = RefineFacetwise(
       method,
       {std::move(surface), (level_ > 0 ? level_ : method.levels) - 1,
-       input->has_fused_points, input->cameras, alignment_, input->is_part},
+       input->has_fused_points, std::move(input->cameras), alignment_,
+       input->is_part},
       input->views, input->points, backend.energy.get(), hooks);
   signal_ = StopSignal::Received();
   refined.report = WithEarlier(std::move(refined.report));

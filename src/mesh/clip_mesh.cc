@@ -103,18 +103,22 @@ struct DroppedRegion {
   Eigen::Vector3d area = Eigen::Vector3d::Zero();  // sum of area vectors
   double size = 0;                                 // sum of their lengths
   double rim = 0;                                  // length
-  double border = 0;                               // length
-  double facing = 0;  // lengths of the rim's edges, times the cosine between
-                      // the kept facet's normal and the area
+  double aligned = 0;  // length of the rim where the kept facets lie along it
+  double border = 0;   // length
 
-  // See KeepContinuations().
+  bool IsAlong(const Eigen::Vector3d& kept_area) const {
+    constexpr double kMinCosine = 0.9;  // 26 degrees
+    return area.dot(kept_area) >= kMinCosine * area.norm() * kept_area.norm();
+  }
+
+  // See KeepContinuations(). Things that stand on a lawn turn a part of its
+  // rim. An enclosed region is rarely a membrane.
   bool Continues() const {
-    // Limits of 1 - cosine. An enclosed region is rarely a membrane.
-    constexpr double kMaxTurn = 0.06;
-    constexpr double kMaxEnclosedTurn = 0.16;
-    const double max_turn = border > 0 ? kMaxTurn : kMaxEnclosedTurn;
-    return rim > border && facing >= (1 - max_turn) * rim &&
-           area.norm() >= (1 - max_turn / 2) * size;
+    constexpr double kMinAligned = 2.0 / 3;
+    constexpr double kFlatness = 0.97;
+    constexpr double kEnclosedFlatness = 0.92;
+    return rim > border && aligned >= kMinAligned * rim &&
+           area.norm() >= (border > 0 ? kFlatness : kEnclosedFlatness) * size;
   }
 };
 
@@ -198,8 +202,7 @@ void KeepContinuations(const TriangleMesh& mesh,
         region.border += length;
       } else if ((*is_dropped)[partner / 3] == 0) {
         region.rim += length;
-        region.facing += length * region.area.normalized().dot(
-                                      area_of(partner / 3).normalized());
+        region.aligned += region.IsAlong(area_of(partner / 3)) ? length : 0;
       }
     }
   }
@@ -224,9 +227,6 @@ size_t DropLongFacets(double factor, double percentile, TriangleMesh* mesh) {
   std::vector<uint8_t> is_dropped;
   for (const Facet& facet : mesh->facets) {
     is_dropped.push_back(!(longest_side(facet) <= limit));
-  }
-  if (std::ranges::count(is_dropped, 1) == 0) {
-    return 0;
   }
   KeepContinuations(*mesh, PairHalfEdges(mesh->facets), &is_dropped);
   return std::erase_if(mesh->facets, [&](const Facet& facet) {

@@ -33,8 +33,8 @@ UnionFind JoinFacets(const std::vector<uint32_t>& partners,
                      const std::vector<uint8_t>& marks);
 
 // Keeps the regions of dropped facets that continue the surface around them: a
-// region is flat, coplanar with the kept facets along its rim, and its rim is
-// longer than its part of the mesh's border (docs/method.md, section 3.8). A
+// region is flat, coplanar with the kept facets along most of its rim, and its
+// rim is longer than its part of the mesh's border (docs/method.md, 3.8). A
 // membrane across the sky or an opening bends at its rim.
 // \param partners [3 F] see PairHalfEdges()
 // \param is_dropped [F] 1 or 0

@@ -129,15 +129,16 @@ class Refinement {
   // refine the surface if they are fixed.
   // \return whether there are such views.
   bool AreCamerasUsable() {
-    if (!cameras_) {
+    const auto cameras = std::exchange(cameras_, nullptr);  // freed afterwards
+    if (!cameras) {
       return true;
     }
     state_.alignment =
         alignment_ ? std::move(*alignment_)
-                   : AlignCameras(options_, *cameras_, state_.mesh, points_,
+                   : AlignCameras(options_, *cameras, state_.mesh, points_,
                                   energy_, hooks_, &state_.views);
     if (options_.cameras.parts != RefinedParts::kNothing) {
-      cameras_->images->CorrectLenses(
+      cameras->images->CorrectLenses(
           state_.alignment.misalignment.radial_shifts);
       return true;
     }

@@ -171,6 +171,15 @@ TEST(TrimMesh, KeepsWhatContinuesTheSurface) {
         std::max(0.0f, 144 - std::pow(x - 20, 2.0f) - std::pow(y - 20, 2.0f)));
   };
   EXPECT_EQ(NumKept(dome, is_inside), 0);
+  // Walls rise from a quarter or three quarters of the rim.
+  for (const bool is_quarter : {true, false}) {
+    const auto walls = [=](float x, float y) {
+      const bool is_beyond = std::hypot(x - 20, y - 20) > 10.8f;
+      const bool is_wall = is_quarter ? x > 20 && y > 20 : x > 20 || y > 20;
+      return is_beyond && is_wall ? 9.0f : 0.0f;
+    };
+    EXPECT_NEAR(NumKept(walls, is_inside), is_quarter ? num_low : 0, 20);
+  }
   // A bay at the border, and a strip that has more border than rim.
   const auto is_bay = [](const auto& p) {
     return p.x() < 20 && std::abs(p.y() - 20) < 6;
