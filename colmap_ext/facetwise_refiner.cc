@@ -63,7 +63,7 @@ class Refiner {
     Read();
     RefinedMesh refined = run_.Run(&input_);
     if (refined.report.is_stopped) {
-      GiveUp(refined);
+      GiveUp(refined.report);
     }
     AtomicFiles files;
     Write(refined, &files);
@@ -97,6 +97,8 @@ class Refiner {
                 "there is no " + state_path.string(), log_);
     } else if (options_.resume) {
       run_.Resume(&input_);
+      PrintText("continues after",
+                LevelName(run_.Level()) + ", by " + state_path.string(), log_);
     } else if (fs::exists(state_path)) {
       PrintText("starts from the beginning",
                 "--resume 1 would go on by " + state_path.string(), log_);
@@ -139,13 +141,14 @@ class Refiner {
     }
   }
 
-  [[noreturn]] void GiveUp(const RefinedMesh& refined) {
+  [[noreturn]] void GiveUp(const RefinementReport& report) {
     console_.reporter.Finish();
     const int level = run_.Level();
     AtomicFiles files;
-    WriteReport(refined.report, &files);
+    WriteReport(report, &files);
     if (level > 0) {
-      WriteMesh(run_.LevelMeshPath(level), refined.mesh, refined.attributes,
+      run_.Resume(&input_);
+      WriteMesh(run_.LevelMeshPath(level), input_.mesh, input_.attributes,
                 std::nullopt, &files);
     }
     files.Commit();

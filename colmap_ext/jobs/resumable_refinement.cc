@@ -230,9 +230,6 @@ void ResumableRefinement::Resume(RefinementInput* input) {
   alignment_ = std::move(state.alignment);
   Surface& surface = *input;
   surface = std::move(state);
-  PrintText("continues after",
-            LevelName(level_) + ", by " + StatePath(output_).string(),
-            &console_.log);
 }
 
 RefinedMesh ResumableRefinement::Run(RefinementInput* input) {

@@ -50,8 +50,8 @@ class ResumableRefinement {
                       std::filesystem::path output, Console* console,
                       LiveView* live);
 
-  // Continues a run of the same inputs: sets the input to its last complete
-  // level.
+  // Sets the input to the last complete level on disk, of this run or of an
+  // earlier one of the same inputs, which is continued then.
   // \throw FileError as ReadState()
   void Resume(RefinementInput* input);
 

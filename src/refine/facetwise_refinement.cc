@@ -42,12 +42,9 @@ class Refinement {
       first_level = -1;
     }
     for (int level = first_level; level >= 0; --level) {
-      RefinedMesh complete = state_;
       if (!RefineAtLevel(level)) {
-        complete.report = std::move(state_.report);
-        complete.report.is_stopped = true;
-        CountSelfIntersections(hooks_.progress, &complete);
-        return complete;
+        state_.report.is_stopped = true;
+        return std::move(state_);
       }
       if (hooks_.on_level) {
         hooks_.on_level(level, state_);

@@ -167,8 +167,8 @@ struct RefinementHooks {
   // were.
   std::function<void(int level, const RefinedMesh& state)> on_level;
 
-  // Called between iterations. If it returns true, the mesh of the last
-  // complete level is returned, or the input's if none is complete.
+  // Called between iterations. If it returns true, the refinement ends, and of
+  // its result only the report is of use.
   std::function<bool()> should_stop;
 };
 

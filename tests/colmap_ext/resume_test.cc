@@ -44,6 +44,13 @@ TEST_F(ResumeTest, GoesOnAfterAnInterruption) {
   ExpectRefusal(Refine(" --resume 1 @iterations 3"),
                 "iterations was '10' and is '3'");
   const std::string state_bytes = ReadFile(state);
+  const std::vector<Eigen::Vector3f> vertices =
+      ReadPlyMesh(level_mesh).vertices;
+  const size_t num_bytes = vertices.size() * sizeof(Eigen::Vector3f);
+  ASSERT_GT(num_bytes, 0);
+  EXPECT_NE(state_bytes.find(
+                {reinterpret_cast<const char*>(vertices.data()), num_bytes}),
+            std::string::npos);
   WriteFile(state, state_bytes.substr(0, state_bytes.size() - 8));
   ExpectRefusal(Refine(" --resume 1"), "damaged");
   WriteFile(state, state_bytes);
