@@ -16,8 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kChanged =
-    ": it is not the model that the refinement began with";
+constexpr const char* kChanged = ": it has changed since it was read";
 
 // See CameraSet::leaders.
 // \param view_indices  by image_id

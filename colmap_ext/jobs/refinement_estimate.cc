@@ -16,7 +16,7 @@ void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
   // Fitted to the scenes of docs/results.md. The program:
   constexpr double kBaseGb = 0.07;
   // A pixel of an image with what is drawn into it.
-  constexpr double kGbPerImagePixel = 5e-9;
+  constexpr double kGbPerImagePixel = 4e-9;
   // Each thread: what it compares with and projects by, a picture that it reads
   // (4 bytes a pixel), and two that it compares, with what is drawn into them,
   // beyond what is kept of all.

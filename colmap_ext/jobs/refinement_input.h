@@ -57,7 +57,6 @@ struct RefinementInput : Surface {
   PointCloud points;  // without the views whose pictures cannot be used
   std::vector<std::string> picture_errors;  // [views] empty: can be used
   std::shared_ptr<ImagePyramid> images;     // [views], read as memory allows
-
   std::shared_ptr<const RefinableCameras> cameras;
   bool is_part = false;  // see RefinementStart
 

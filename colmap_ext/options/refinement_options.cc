@@ -5,8 +5,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A pixel takes one byte in an image, and four where facets are drawn.
-constexpr double kImageShare = 1.0 / 5;
+// A pixel takes one byte in an image, and mostly three where facets are drawn.
+constexpr double kImageShare = 1.0 / 4;
 
 // The least share of the memory that is left for drawings: some views and their
 // partners. Chosen by hand.

@@ -111,8 +111,7 @@ struct DroppedRegion {
     return area.dot(kept_area) >= kMinCosine * area.norm() * kept_area.norm();
   }
 
-  // See KeepContinuations(). Things that stand on a lawn turn a part of its
-  // rim. An enclosed region is rarely a membrane.
+  // See KeepContinuations(). An enclosed region is rarely a membrane.
   bool Continues() const {
     constexpr double kMinAligned = 2.0 / 3;
     constexpr double kFlatness = 0.97;
@@ -245,16 +244,13 @@ size_t DropSmallComponents(size_t min_facets, std::vector<Facet>* facets) {
     ++sizes[components.Find(i)];
   }
   size_t num_dropped = 0;
-  size_t num_kept = 0;
   for (uint32_t i = 0; i < sizes.size(); ++i) {
-    const uint32_t component = components.Find(i);
-    if (sizes[component] >= min_facets) {
-      (*facets)[num_kept++] = (*facets)[i];
-    } else {
-      num_dropped += component == i;
-    }
+    num_dropped += components.Find(i) == i && sizes[i] < min_facets;
   }
-  facets->resize(num_kept);
+  std::erase_if(*facets, [&](const Facet& facet) {
+    const auto index = static_cast<uint32_t>(&facet - facets->data());
+    return sizes[components.Find(index)] < min_facets;
+  });
   return num_dropped;
 }
 

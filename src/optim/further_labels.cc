@@ -43,11 +43,9 @@ void ChooseCheapest(const PottsProblem& problem, const LabelSets& given,
     if (std::ranges::find(given_labels, label) != given_labels.end()) {
       continue;
     }
-    double cost = problem.costs[i];
-    if (weight > 0) {
-      cost += weight * NumWithout(problem, sets, node, label);
-    }
-    row->emplace_back(cost, label);
+    const int num_without =
+        weight > 0 ? NumWithout(problem, sets, node, label) : 0;
+    row->emplace_back(problem.costs[i] + weight * num_without, label);
   }
   std::ranges::copy(given_labels, chosen.begin());
   const auto others = chosen.subspan(given_labels.size());
@@ -59,35 +57,18 @@ void ChooseCheapest(const PottsProblem& problem, const LabelSets& given,
   }
 }
 
-// The last rounds in which a node chose by the labels of its neighbors, and in
-// which its labels changed; 0: never.
-struct History {
-  std::vector<uint8_t> chosen;   // [N]
-  std::vector<uint8_t> changed;  // [N]
-
-  // Whether the node's choice may come out another way than at the last time.
-  bool IsOutdated(const PottsProblem& problem, uint32_t node) const {
-    return chosen[node] == 0 ||
-           std::ranges::any_of(problem.neighbors[node], [&](uint32_t neighbor) {
-             return neighbor != kNone && changed[neighbor] >= chosen[node];
-           });
-  }
-};
-
 // The labels that some nodes have after a round: those of nodes that do not
 // choose in it stay.
 void ChooseInRound(const PottsProblem& problem, const LabelSets& given,
                    const LabelSets& sets, int round,
-                   const tbb::blocked_range<uint32_t>& nodes, History* history,
+                   const tbb::blocked_range<uint32_t>& nodes,
                    std::vector<uint32_t>* next) {
   const double weight = round > 0 ? problem.weight / 3 : 0;
   std::vector<PricedLabel> row;
   for (uint32_t node = nodes.begin(); node != nodes.end(); ++node) {
     const std::span<uint32_t> chosen(next->data() + sets.offsets[node],
                                      sets[node].size());
-    if (round == 0 ||
-        (ChoosesIn(round, node) && history->IsOutdated(problem, node))) {
-      history->chosen[node] = static_cast<uint8_t>(round);
+    if (round == 0 || ChoosesIn(round, node)) {
       ChooseCheapest(problem, given, sets, node, weight, &row, chosen);
     } else {
       std::ranges::copy(sets[node], chosen.begin());
@@ -125,21 +106,12 @@ LabelSets AddFurtherLabels(const PottsProblem& problem, const LabelSets& given,
   }
   sets.values.resize(sets.offsets.back());
   std::vector<uint32_t> next(sets.values.size());
-  History history{std::vector<uint8_t>(num_nodes, 0),
-                  std::vector<uint8_t>(num_nodes, 0)};
   for (int round = 0; round < kRounds; ++round) {
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, num_nodes),
                       [&](const tbb::blocked_range<uint32_t>& nodes) {
                         ChooseInRound(problem, given, sets, round, nodes,
-                                      &history, &next);
+                                      &next);
                       });
-    tbb::parallel_for(uint32_t{0}, num_nodes, [&](uint32_t node) {
-      const auto labels = sets[node];
-      if (!std::equal(labels.begin(), labels.end(),
-                      next.data() + sets.offsets[node])) {
-        history.changed[node] = static_cast<uint8_t>(round);
-      }
-    });
     sets.values.swap(next);
   }
   return sets;

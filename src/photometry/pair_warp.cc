@@ -118,9 +118,9 @@ void PairWarp::FindPlaces(int row, int first_col, int last_col,
                           std::vector<uint32_t>* facets,
                           std::vector<uint32_t>* places) const {
   const int image_row = geometry.first_row + row;
-  const uint32_t* shown = i_.drawn.facets.data() +
-                          i_.drawn.Index(image_row, 0) + geometry.first_col;
-  const uint32_t* shown_above = shown - i_.drawn.width;
+  const FacetIds& shown = i_.drawn.facets;
+  const size_t first = i_.drawn.Index(image_row, geometry.first_col);
+  const size_t first_above = first - i_.drawn.width;
   const uint8_t* grays = i_.image.Row(image_row) + geometry.first_col;
   const uint8_t* is_reached = tile.is_reached.data() + tile.Index(row, 0);
   uint32_t left = kNone;
@@ -128,16 +128,17 @@ void PairWarp::FindPlaces(int row, int first_col, int last_col,
   for (int col = first_col; col <= last_col; ++col) {
     const uint32_t above = (*places)[col];
     const uint32_t above_right = col < last_col ? (*places)[col + 1] : kNone;
-    const uint32_t facet = shown[col];
+    const uint32_t facet = shown[first + col];
     uint32_t place = kNone;
     if (is_reached[col] != 0 && facet != kNone && !IsSaturated(grays[col])) {
-      if (left != kNone && shown[col - 1] == facet) {
+      if (left != kNone && shown[first + col - 1] == facet) {
         place = left;
-      } else if (above != kNone && shown_above[col] == facet) {
+      } else if (above != kNone && shown[first_above + col] == facet) {
         place = above;
-      } else if (above_left != kNone && shown_above[col - 1] == facet) {
+      } else if (above_left != kNone && shown[first_above + col - 1] == facet) {
         place = above_left;
-      } else if (above_right != kNone && shown_above[col + 1] == facet) {
+      } else if (above_right != kNone &&
+                 shown[first_above + col + 1] == facet) {
         place = above_right;
       } else {
         place = static_cast<uint32_t>(facets->size());

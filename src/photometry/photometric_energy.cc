@@ -71,11 +71,11 @@ class DirectionEvaluator {
   void MarkCenters(const PixelBox& rectangle, const FacetIdBuffer& drawn_i) {
     std::ranges::fill(tile_.is_center, 0);
     for (int row = rectangle.first_row; row <= rectangle.last_row; ++row) {
-      const uint32_t* shown = drawn_i.facets.data() + drawn_i.Index(row, 0);
       for (int col = rectangle.first_col; col <= rectangle.last_col; ++col) {
+        const uint32_t shown = drawn_i.facets[drawn_i.Index(row, col)];
         tile_.is_center[tile_.Index(row - geometry_.first_row,
                                     col - geometry_.first_col)] =
-            shown[col] != kNone && places_.Has(shown[col]);
+            shown != kNone && places_.Has(shown);
       }
     }
   }

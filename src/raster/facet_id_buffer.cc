@@ -153,11 +153,10 @@ void DrawRow(uint32_t facet, const std::array<EdgeFunction, 3>& edges,
     const auto inverse_depth =
         static_cast<float>(depth.At(row, first_col + col));
     float& drawn_depth = buffer->inverse_depths[first + col];
-    uint32_t& drawn_facet = buffer->facets[first + col];
     if (inverse_depth > drawn_depth ||
-        (inverse_depth == drawn_depth && facet < drawn_facet)) {
+        (inverse_depth == drawn_depth && facet < buffer->facets[first + col])) {
       drawn_depth = inverse_depth;
-      drawn_facet = facet;
+      buffer->facets.Set(first + col, facet);
     }
   }
 }
@@ -292,7 +291,7 @@ DrawnFacets DrawFacets(const View& view, const TriangleMesh& mesh,
   buffer.width = view.width;
   buffer.height = view.height;
   const size_t num_pixels = static_cast<size_t>(view.width) * view.height;
-  buffer.facets.assign(num_pixels, kNone);
+  buffer.facets = FacetIds(num_pixels, mesh.facets.size());
   buffer.inverse_depths.assign(num_pixels, 0);
   buffer.is_facing.assign(mesh.facets.size(), false);
   ProjectedVertices vertices(view, mesh);
@@ -364,7 +363,7 @@ void EraseMasked(const GrayImage& mask, FacetIdBuffer* buffer) {
   buffer->is_masked.assign(mask.pixels.size(), false);
   for (size_t i = 0; i < mask.pixels.size(); ++i) {
     if (mask.pixels[i] == 0) {
-      buffer->facets[i] = kNone;
+      buffer->facets.Set(i, kNone);
       buffer->is_masked[i] = true;
     }
   }

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
+#include "base/indices.h"
 #include "mesh/mesh_in_image.h"
 #include "mesh/triangle_mesh.h"
 #include "raster/facet_clusters.h"
@@ -14,11 +16,46 @@
 
 namespace colmap_ext {
 
+// Indices of facets, or kNone, in three bytes each if these are enough.
+class FacetIds {
+ public:
+  FacetIds() : FacetIds(0, 0) {}
+
+  // All kNone.
+  // \param num_facets  above all indices
+  FacetIds(size_t size, size_t num_facets)
+      : none_(num_facets < 0xFFFFFF ? 0xFFFFFF : kNone),
+        bytes_(BytesOfOne() * size + 1, 0xFF) {}  // [] reads four bytes
+
+  size_t size() const { return bytes_.size() / BytesOfOne(); }
+  size_t BytesOfOne() const { return none_ == kNone ? 4 : 3; }
+
+  uint32_t operator[](size_t i) const {
+    uint32_t facet = 0;
+    std::memcpy(&facet, &bytes_[BytesOfOne() * i], sizeof(facet));
+    facet &= none_;
+    return facet == none_ ? kNone : facet;
+  }
+
+  void Set(size_t i, uint32_t facet) {
+    std::memcpy(&bytes_[BytesOfOne() * i], &facet, 3);
+    if (none_ == kNone) {
+      bytes_[4 * i + 3] = static_cast<uint8_t>(facet >> 24);
+    }
+  }
+
+  bool operator==(const FacetIds&) const = default;
+
+ private:
+  uint32_t none_;  // also the bits that an index may have
+  std::vector<uint8_t> bytes_;
+};
+
 // Which facet each pixel of a view shows at its centre.
 struct FacetIdBuffer {
   int width = 0;                   // px
   int height = 0;                  // px
-  std::vector<uint32_t> facets;    // [height * width] or kNone
+  FacetIds facets;                 // [height * width] or kNone
   std::vector<bool> is_masked;     // [height * width], see EraseMasked(), or
                                    // empty: none is
   std::vector<bool> is_facing;     // [F] of those drawn, whether the cosine

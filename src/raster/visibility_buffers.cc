@@ -214,7 +214,8 @@ void VisibilityBuffers::DrawAhead() const {
 
 // Of a FacetIdBuffer: the facets of pixels, a bit a facet.
 size_t VisibilityBuffers::Memory(size_t view) const {
-  return sizeof(uint32_t) * views_[view].width * views_[view].height +
+  const size_t num_bytes = FacetIds(0, mesh_.facets.size()).BytesOfOne();
+  return num_bytes * views_[view].width * views_[view].height +
          mesh_.facets.size() / 8;
 }
 

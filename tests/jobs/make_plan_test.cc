@@ -243,7 +243,7 @@ RefinementTile Estimate(size_t num_views, double max_memory_gb, double pixels) {
 }
 
 TEST(EstimateRefinement, CountsWhatEachThreadHolds) {
-  constexpr double kImageGb = 4000 * 3000 * 5e-9;  // and what is drawn into it
+  constexpr double kImageGb = 4000 * 3000 * 4e-9;  // and what is drawn into it
   for (const size_t num_views : {2, 20, 200}) {
     for (const double pixels : {1e6, 1e8}) {
       const RefinementTile kept = Estimate(num_views, 1e3, pixels);

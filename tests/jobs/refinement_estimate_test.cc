@@ -38,9 +38,9 @@ TEST(EstimateRun, TakesTheSurfaceByItsPixels) {
 TEST(EstimateRun, TakesImagesUpToWhatIsKeptAndOneForEachThread) {
   constexpr double kPixelsGb = 4000 * 3000 * 1e-9;  // a byte for each
   const double one = Estimate(1000, kEnoughGb).memory_gb;
-  EXPECT_NEAR(Estimate(1000, kEnoughGb, 11).memory_gb - one, 10 * 5 * kPixelsGb,
+  EXPECT_NEAR(Estimate(1000, kEnoughGb, 11).memory_gb - one, 10 * 4 * kPixelsGb,
               1e-6);
-  EXPECT_NEAR(one - Estimate(1000, 0.05).memory_gb, 5 * kPixelsGb - 0.05, 1e-6);
+  EXPECT_NEAR(one - Estimate(1000, 0.04).memory_gb, 4 * kPixelsGb - 0.04, 1e-6);
   EXPECT_GT(Estimate(1000, kEnoughGb).thread_gb, 4 * kPixelsGb);
   EXPECT_GT(Estimate(1000, kEnoughGb, 11).core_seconds,
             Estimate(1000, kEnoughGb).core_seconds);

@@ -51,14 +51,14 @@ FacetIdBuffer RandomBuffer(int width, int height, uint32_t num_facets,
   FacetIdBuffer buffer;
   buffer.width = width;
   buffer.height = height;
-  buffer.facets.assign(static_cast<size_t>(width) * height, kNone);
+  buffer.facets = FacetIds(static_cast<size_t>(width) * height, num_facets);
   for (uint32_t facet = 0; facet < num_facets; ++facet) {
     const int row = random->Integer(0, height - 1);
     const int col = random->Integer(0, width - 1);
     const int size = random->Integer(1, 20);
     for (int y = row; y < std::min(row + size, height); ++y) {
       for (int x = col; x < std::min(col + size, width); ++x) {
-        buffer.facets[buffer.Index(y, x)] = facet;
+        buffer.facets.Set(buffer.Index(y, x), facet);
       }
     }
   }

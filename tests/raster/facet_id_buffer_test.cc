@@ -11,6 +11,7 @@
 #include "spatial/bvh.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/peak_memory.h"
+#include "tests/raster/shown_facets.h"
 #include "tests/raster/visible_facets.h"
 
 namespace colmap_ext::facet_id_buffer_test {
@@ -99,6 +100,25 @@ void ExpectAsCast(const View& view, const TriangleMesh& mesh) {
   EXPECT_GT(num_hits, 0.3 * view.width * view.height);
 }
 
+TEST(FacetIds, KeepsEachIndexInThreeOrFourBytes) {
+  for (const uint32_t num_facets : {5U, 0xFFFFFEU, 0xFFFFFFU, 0xFFFFFFFFU}) {
+    FacetIds ids(4, num_facets);
+    EXPECT_EQ(ids.size(), 4);
+    EXPECT_EQ(ids.BytesOfOne(), num_facets < 0xFFFFFF ? 3 : 4);
+    ids.Set(1, num_facets - 1);
+    ids.Set(2, 1);
+    ids.Set(3, num_facets - 2);
+    EXPECT_EQ(ids[0], kNone);
+    EXPECT_EQ(ids[1], num_facets - 1);
+    EXPECT_EQ(ids[2], 1);
+    EXPECT_EQ(ids[3], num_facets - 2);
+    ids.Set(1, kNone);
+    EXPECT_EQ(ids[1], kNone);
+    EXPECT_EQ(ids[2], 1);
+  }
+  EXPECT_EQ(FacetIds().size(), 0);
+}
+
 TEST(DrawFacets, ShowsWhatRaysMeetFirstAlsoOfARoom) {
   Random random(1);
   for (int trial = 0; trial < 5; ++trial) {
@@ -109,7 +129,7 @@ TEST(DrawFacets, ShowsWhatRaysMeetFirstAlsoOfARoom) {
   for (const View& view : RoomViews()) {
     ExpectAsCast(view, MakeRoom());
     const DrawnFacets drawn = DrawFacets(view, MakeRoom(), 0.1);
-    EXPECT_EQ(std::ranges::count(drawn.facets, kNone), 0);
+    EXPECT_EQ(std::ranges::count(ShownFacets(drawn), kNone), 0);
     EXPECT_GT(drawn.clipped.size(), 0);
     EXPECT_EQ(drawn.clipped, FindClippedFacets(view, MakeRoom(), drawn.ranges));
     for (const uint32_t facet : drawn.clipped) {
@@ -225,7 +245,7 @@ TEST(DrawFacets, ShowsBothSidesButOneFaces) {
   const DrawnFacets back = DrawFacets(StraightView(), turned, 0);
   EXPECT_EQ(front.facets, back.facets);
   EXPECT_EQ(front.inverse_depths, back.inverse_depths);
-  for (const uint32_t facet : front.facets) {
+  for (const uint32_t facet : ShownFacets(front)) {
     if (facet != kNone) {
       EXPECT_NE(front.is_facing[facet], back.is_facing[facet]);
     }
@@ -256,7 +276,8 @@ TEST(DrawFacets, ShowsNothingBehindTheCamera) {
   EXPECT_GT(std::ranges::count(front.is_facing, true), 0);
   // The same through the camera's center.
   const DrawnFacets drawn = DrawFacets(StraightView(), Scaled(mesh, -1), 0);
-  EXPECT_EQ(drawn.facets, std::vector<uint32_t>(drawn.facets.size(), kNone));
+  EXPECT_EQ(ShownFacets(drawn),
+            std::vector<uint32_t>(drawn.facets.size(), kNone));
   EXPECT_EQ(drawn.is_facing, std::vector<bool>(mesh.facets.size(), false));
   EXPECT_TRUE(drawn.clipped.empty());
 }
@@ -282,7 +303,7 @@ TEST(DrawFacets, ShowsNothingOfWhatHasNoAreaOrLiesBesideTheImage) {
       {PointAt(70, 5, 2), PointAt(90, 5, 2), PointAt(70, 25, 2)}, {{0, 1, 2}}};
   for (const TriangleMesh& mesh : {line, beside, TriangleMesh()}) {
     const DrawnFacets drawn = DrawFacets(StraightView(), mesh, 0);
-    EXPECT_EQ(drawn.facets, std::vector<uint32_t>(64 * 48, kNone));
+    EXPECT_EQ(ShownFacets(drawn), std::vector<uint32_t>(64 * 48, kNone));
     EXPECT_EQ(drawn.is_facing.size(), mesh.facets.size());
   }
 }

@@ -11,6 +11,7 @@
 #include "mesh/mesh_in_image.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
+#include "tests/raster/shown_facets.h"
 #include "tests/raster/visible_facets.h"
 
 namespace colmap_ext::facet_sizes_test {
@@ -91,7 +92,7 @@ TEST(SubdivideLargeFacets, CutsWallsThatReachBehindTheCameras) {
   std::vector<int> num_pixels[2];  // that show each facet
   for (int i = 0; i < 2; ++i) {
     num_pixels[i].resize(room.facets.size(), 0);
-    for (const uint32_t facet : DrawFacets(views[i], room, 0.1).facets) {
+    for (const uint32_t facet : ShownFacets(DrawFacets(views[i], room, 0.1))) {
       ++num_pixels[i][facet];
     }
   }
