@@ -93,10 +93,11 @@ def run_process(arguments, folder, limits):
     sent, is_hanging = None, False
     if limits.kill is not None and not ends_within(limits.kill[0]):
         sent = limits.kill[1]
-        process.send_signal(sent)
+        signal.pidfd_send_signal(descriptor, sent)
     if not ends_within(MAX_WAIT * limits.seconds):
         is_hanging = True
-        process.kill()
+        signal.pidfd_send_signal(descriptor, signal.SIGKILL)
+    # Popen's own signals and waits would take the usage of one that has ended.
     _, status, usage = os.wait4(process.pid, 0)
     seconds = time.monotonic() - start
     os.close(descriptor)
