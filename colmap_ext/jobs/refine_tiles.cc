@@ -229,9 +229,9 @@ TilePatch MakeTile(const TileJob& job, const RefinerOptions& options,
   run->inputs = tile.inputs;
   try {
     run->Resume(&tile.input);
+    PrintText("continues after", LevelName(run->Level()), &console->log);
   } catch (const FileError&) {
-    // A state that is damaged or of another run is ignored: the job starts from
-    // its first level then.
+    // Damaged, or of another run: the job starts from its first level.
   }
   RefinedMesh refined = run->Run(&tile.input);
   console->reporter.Finish();
