@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <utility>
-#include <vector>
-
 #include "colmap_ext/jobs/refine_tiles.h"
 #include "colmap_ext/jobs/refinement_input.h"
 #include "photometry/photometric_energy.h"
@@ -29,7 +25,6 @@ void RefineCameras(const RefinerOptions& options, const Plan& plan,
     return;
   }
   const Progress& progress = console->progress;
-  Report(progress, "Reading the sparse model", 0);
   ExpectSame(plan);
   RefinementInput input;
   input.views = plan.views;
@@ -38,6 +33,7 @@ void RefineCameras(const RefinerOptions& options, const Plan& plan,
   Report(progress, "Reading the images", 0);
   ReadPictures(options, ImagesPath(plan), MasksOf(plan, decoder), decoder,
                &input);
+  Report(progress, "Reading the sparse model", 0);
   input.cameras =
       ReadRefinableCameras(plan.sparse_path, input.views, input.images);
   RefinementHooks hooks;

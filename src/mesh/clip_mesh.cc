@@ -106,6 +106,7 @@ struct DroppedRegion {
   double aligned = 0;  // length of the rim where the kept facets lie along it
   double border = 0;   // length
 
+  // Whether a kept facet has nearly the normal of the region.
   bool IsAlong(const Eigen::Vector3d& kept_area) const {
     constexpr double kMinCosine = 0.9;  // 26 degrees
     return area.dot(kept_area) >= kMinCosine * area.norm() * kept_area.norm();
