@@ -110,33 +110,33 @@ class Refiner {
 
   // What the run takes, and how many tiles would do where that is too much.
   void PrintEstimate() {
-    const RefinementTile run =
-        EstimateRun(input_, input_.views, options_.image_cache_gb);
-    const double machine_gb = 1e-9 * MachineMemory();
+    const RefinementTile& run = input_.expected;
+    const double max_memory_gb = MaxMemoryGb(options_);
     const double memory_gb =
         run.memory_gb + run.thread_gb * tbb::this_task_arena::max_concurrency();
     PrintHeading("Run", log_);
     PrintText("memory, estimated",
-              fmt::format("{:.2f} of {:.1f} GB", memory_gb, machine_gb), log_);
+              fmt::format("{:.2f} of {:.1f} GB", memory_gb, max_memory_gb),
+              log_);
     PrintText("time of all threads, estimated",
               fmt::format("{:.1f} min", run.core_seconds / 60), log_);
-    const double disk_gb = kDiskGbPerPixel * run.pixels;
+    const double disk_gb = kDiskGbPerFacet * run.facets;
     PrintText("disk, estimated", fmt::format("{:.2f} GB", disk_gb), log_);
     const fs::path folder = fs::absolute(paths_.output).parent_path();
     if (1e9 * disk_gb > static_cast<double>(fs::space(folder).available)) {
       PrintWarning("too little space may be left in " + folder.string(), log_);
     }
-    const double surface_gb = kUsualGbPerPixel * run.pixels;
-    const double free_gb = machine_gb - (memory_gb - surface_gb);
-    if (memory_gb > machine_gb) {
+    const double surface_gb = kUsualGbPerFacet * run.facets;
+    const double free_gb = max_memory_gb - (memory_gb - surface_gb);
+    if (memory_gb > max_memory_gb) {
       PrintWarning(
-          "the machine may not have enough memory; " +
+          "the run may take more memory than it should; " +
               (free_gb > 0
                    ? fmt::format("tiles have: {} mesh_planner --num_tiles "
                                  "{:.0f}",
                                  ProgramName(),
                                  std::ceil(1.5 * surface_gb / free_gb))
-                   : "a smaller --image_cache_gb keeps fewer images"),
+                   : "a smaller --FacetwiseRefinement.image_scale takes less"),
           log_);
     }
   }
@@ -324,7 +324,7 @@ void Refine(const RefinerOptions& options, Console* console) {
 
 int RunFacetwiseRefiner(int argc, char** argv) {
   return RunCommand(argc, argv, &AddRefinerOptions, &Refine,
-                    {"a smaller --image_cache_gb keeps fewer images, and a "
+                    {"a smaller --max_memory_gb keeps fewer images, and a "
                      "larger --FacetwiseRefinement.max_face_area makes fewer "
                      "faces",
                      "the mesh, fused.ply.vis, sparse/ and images/",

@@ -58,15 +58,15 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Region, region_from_world, center,
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JobInputs, options, files)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PlannedTile, num_points, num_vertices,
                                    num_rays, memory_gb, core_seconds, cell)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RefinementTile, color, margin, pixels,
-                                   memory_gb, thread_gb, core_seconds)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RefinementTile, color, margin, facets,
+                                   cache_gb, memory_gb, thread_gb, core_seconds)
 
 namespace {
 
 namespace fs = std::filesystem;
 using PlanJson = nlohmann::json;
 
-constexpr int kVersion = 7;  // of both files
+constexpr int kVersion = 8;  // of both files
 
 constexpr char kPlanAgain[] = "run mesh_planner";
 constexpr char kPlanRefinementAgain[] =

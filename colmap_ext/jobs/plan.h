@@ -55,8 +55,9 @@ struct RefinementTile {
   uint32_t color = 0;    // tiles of one colour are refined at once, lower ones
                          // before; see ColorTiles()
   double margin = 0;     // around the tile's cell, scene units
-  double pixels = 0;     // of the surface in cell and margin, px^2
-  double memory_gb = 0;  // without what each thread takes
+  double facets = 0;     // expected in cell and margin, at the finest level
+  double cache_gb = 0;   // for images and what is drawn into them, at most
+  double memory_gb = 0;  // expected, without what each thread takes
   double thread_gb = 0;  // each thread
   double core_seconds = 0;
 };

@@ -31,8 +31,8 @@ void RefineCameras(const RefinerOptions& options, const Plan& plan,
   input.picture_errors.resize(input.views.size());
   input.points = {surface.mesh.vertices, {}, surface.attributes.views};
   Report(progress, "Reading the images", 0);
-  ReadPictures(options, ImagesPath(plan), MasksOf(plan, decoder), decoder,
-               &input);
+  ReadPictures(options, surface, ImagesPath(plan), MasksOf(plan, decoder),
+               decoder, &input);
   Report(progress, "Reading the sparse model", 0);
   input.cameras =
       ReadRefinableCameras(plan.sparse_path, input.views, input.images);
@@ -41,7 +41,7 @@ void RefineCameras(const RefinerOptions& options, const Plan& plan,
   const CameraAlignment alignment = AlignCameras(
       options.refinement, *input.cameras, surface.mesh, input.points,
       MakeCpuPhotometricEnergy(options.refinement.photometric, input.images,
-                               options.MaxDrawingMemory())
+                               input.MaxDrawingMemory())
           .get(),
       hooks, &input.views);
   console->reporter.Finish();

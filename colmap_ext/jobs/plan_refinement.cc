@@ -95,8 +95,11 @@ std::vector<RefinementTile> PlanTiles(const Surface& surface, const Plan& plan,
   for (size_t tile = 0; tile < cells.size(); ++tile) {
     tiles[tile].color = colors[tile];
   }
-  EstimateJobs(surface, cells, plan.views, options.image_cache_gb,
-               kBoundGbPerPixel, &tiles);
+  std::vector<View> views = plan.views;
+  for (View& view : views) {
+    view = ViewAtScale(view, options.image_scale);
+  }
+  EstimateJobs(surface, cells, views, options, kBoundGbPerFacet, &tiles);
   return tiles;
 }
 

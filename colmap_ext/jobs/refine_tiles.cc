@@ -192,7 +192,7 @@ TileInput ReadTileInput(const TileJob& job, const RefinerOptions& options,
     ExpectSame(job.refinement, images_path / view.name);
   }
   input.picture_errors.resize(input.views.size());
-  ReadPictures(options, images_path, TileMasks(job, tile.views, decoder),
+  ReadPictures(options, input, images_path, TileMasks(job, tile.views, decoder),
                decoder, &input);
   std::vector<RadialShifts> shifts;
   for (const uint32_t view : tile.views) {

@@ -4,17 +4,27 @@
 #include <cstdint>
 #include <limits>
 
+#include <tbb/task_arena.h>
+
 #include "base/indices.h"
-#include "mesh/mesh_in_image.h"
-#include "mesh/normals.h"
+#include "colmap_ext/terminal/terminal.h"
+#include "refine/facet_sizes.h"
 #include "spatial/facet_tree.h"
 
 namespace colmap_ext {
 
+double MaxMemoryGb(const RefinerOptions& options) {
+  constexpr double kShare = 0.75;  // The rest is for others: a choice.
+  return options.max_memory_gb == kAutoMemory
+             ? kShare * 1e-9 * static_cast<double>(MachineMemory())
+             : options.max_memory_gb;
+}
+
 void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
-                        double gb_per_pixel, RefinementTile* tile) {
+                        int num_threads, double gb_per_facet,
+                        RefinementTile* tile) {
   // Fitted to the scenes of docs/results.md. The program:
-  constexpr double kBaseGb = 0.07;
+  constexpr double kBaseGb = 0.055;
   // A pixel of an image with what is drawn into it.
   constexpr double kGbPerImagePixel = 4e-9;
   // Each thread: what it compares with and projects by, a picture that it reads
@@ -22,8 +32,10 @@ void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
   // beyond what is kept of all.
   constexpr double kGbPerThread = 0.004;
   constexpr double kGbPerReadPixel = 4e-9;
-  constexpr double kSecondsPerPixel = 2.2e-5;
+  constexpr double kSecondsPerFacet = 2.8e-4;
   constexpr double kSecondsPerImagePixel = 2e-6;
+  // Images are kept in what is left, and at least in this share: a choice.
+  constexpr double kMinImageShare = 0.125;
   double num_pixels = 0;
   double largest = 0;
   for (const View& view : views) {
@@ -32,62 +44,61 @@ void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
     largest = std::max(largest, size);
   }
   const double images_gb = kGbPerImagePixel * num_pixels;
-  const double kept_gb = std::min(max_memory_gb, images_gb);
-  tile->memory_gb = kBaseGb + gb_per_pixel * tile->pixels + kept_gb;
-  tile->thread_gb =
-      kGbPerThread + kGbPerReadPixel * largest +
-      std::min(2 * kGbPerImagePixel * largest, images_gb - kept_gb);
+  const double pair_gb = 2 * kGbPerImagePixel * largest;
+  const double thread_gb = kGbPerThread + kGbPerReadPixel * largest;
+  const double rest_gb = kBaseGb + gb_per_facet * tile->facets;
+  tile->cache_gb =
+      std::clamp(max_memory_gb - rest_gb - num_threads * (thread_gb + pair_gb),
+                 kMinImageShare * max_memory_gb, max_memory_gb);
+  const double kept_gb = std::min(tile->cache_gb, images_gb);
+  tile->memory_gb = rest_gb + kept_gb;
+  tile->thread_gb = thread_gb + std::min(pair_gb, images_gb - kept_gb);
   tile->core_seconds =
-      kSecondsPerPixel * tile->pixels + kSecondsPerImagePixel * num_pixels;
+      kSecondsPerFacet * tile->facets + kSecondsPerImagePixel * num_pixels;
 }
 
 void EstimateJobs(const Surface& surface, const TileCells& cells,
-                  const std::vector<View>& views, double max_memory_gb,
-                  double gb_per_pixel, std::vector<RefinementTile>* tiles) {
-  constexpr double kMinPixels = 7;  // that a facet takes as much as
-  std::vector<std::vector<uint8_t>> is_seen_by(
-      cells.size(), std::vector<uint8_t>(views.size(), 0));
-  std::vector<double> footprints;
-  for (uint32_t i = 0; i < surface.mesh.vertices.size(); ++i) {
-    footprints.push_back(NearestFootprint(surface.mesh.vertices[i],
-                                          surface.attributes.views[i], views));
-  }
-  for (const Facet& facet : surface.mesh.facets) {
-    const auto& [a, b, c] = facet;
-    const double area = AreaVector(surface.mesh, facet).norm() / 2;
-    const double footprint =
-        std::max({footprints[a], footprints[b], footprints[c]});
-    const Eigen::AlignedBox3f box = BoxOf(surface.mesh, facet);
-    for (size_t tile = 0; tile < cells.size(); ++tile) {
-      const auto margin = static_cast<float>((*tiles)[tile].margin);
-      if (GrowBox(cells[tile], margin).intersects(box)) {
-        (*tiles)[tile].pixels +=
-            std::max(kMinPixels, area / (footprint * footprint));
+                  const std::vector<View>& views, const RefinerOptions& options,
+                  double gb_per_facet, std::vector<RefinementTile>* tiles) {
+  const std::vector<float> parts =
+      ExpectedParts(options.refinement.max_face_area, surface.mesh,
+                    surface.attributes.views, views);
+  for (size_t tile = 0; tile < cells.size(); ++tile) {
+    RefinementTile& job = (*tiles)[tile];
+    const Eigen::AlignedBox3f cell =
+        GrowBox(cells[tile], static_cast<float>(job.margin));
+    std::vector<uint8_t> is_seen_by(views.size(), 0);
+    double num_parts = 0;
+    for (size_t i = 0; i < parts.size(); ++i) {
+      const Facet& facet = surface.mesh.facets[i];
+      if (cell.intersects(BoxOf(surface.mesh, facet))) {
+        job.facets += 1;
+        num_parts += parts[i];
         for (const uint32_t vertex : facet) {
           for (const uint32_t view : surface.attributes.views[vertex]) {
-            is_seen_by[tile][view] = 1;
+            is_seen_by[view] = 1;
           }
         }
       }
     }
-  }
-  for (size_t tile = 0; tile < cells.size(); ++tile) {
+    job.facets = std::max(job.facets, num_parts);
     std::vector<View> of_tile;
-    for (const uint32_t view : Marked(is_seen_by[tile])) {
+    for (const uint32_t view : Marked(is_seen_by)) {
       of_tile.push_back(views[view]);
     }
-    EstimateRefinement(of_tile, max_memory_gb, gb_per_pixel, &(*tiles)[tile]);
+    EstimateRefinement(of_tile, MaxMemoryGb(options),
+                       tbb::this_task_arena::max_concurrency(), gb_per_facet,
+                       &job);
   }
 }
 
 RefinementTile EstimateRun(const Surface& surface,
                            const std::vector<View>& views,
-                           double max_memory_gb) {
+                           const RefinerOptions& options) {
   const auto far =
       Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity()).eval();
   std::vector<RefinementTile> all(1);
-  EstimateJobs(surface, {{-far, far}}, views, max_memory_gb, kUsualGbPerPixel,
-               &all);
+  EstimateJobs(surface, {{-far, far}}, views, options, kUsualGbPerFacet, &all);
   return all[0];
 }
 

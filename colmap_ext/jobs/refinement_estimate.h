@@ -3,35 +3,41 @@
 #include <vector>
 
 #include "colmap_ext/jobs/plan.h"
+#include "colmap_ext/options/refinement_options.h"
 #include "mesh/surface.h"
 
 namespace colmap_ext {
 
-// What a square pixel of surface takes, GB, as a rule; and at most, for jobs
-// whose memory is limited.
-inline constexpr double kUsualGbPerPixel = 5e-8;
-inline constexpr double kBoundGbPerPixel = 1.25e-7;
+// What a facet takes with all that belongs to it, GB, as a rule; and at most,
+// for jobs whose memory is limited.
+inline constexpr double kUsualGbPerFacet = 5.2e-7;
+inline constexpr double kBoundGbPerFacet = 1.3e-6;
 
-// Disk space, GB per square pixel of surface: the mesh with its .vis, and the
-// state that --resume reads.
-inline constexpr double kDiskGbPerPixel = 6e-9;
+// Disk space, GB per facet: the mesh with its .vis, and the state that --resume
+// reads.
+inline constexpr double kDiskGbPerFacet = 1e-7;
 
-// Sets what the job that refines a tile takes by `pixels` of surface: its
-// memory, that of each of its threads, and its time.
-// \param views  that see the tile.
-// \param max_memory_gb  see RefinerOptions.
+// \return max_memory_gb, or what it stands for on this machine.
+double MaxMemoryGb(const RefinerOptions& options);
+
+// Sets what the job that refines a tile takes by its facets: its memory, that
+// of each of its threads, and its time.
+// \param views  that see the tile, as they are compared.
+// \param num_threads  that share max_memory_gb.
 void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
-                        double gb_per_pixel, RefinementTile* tile);
+                        int num_threads, double gb_per_facet,
+                        RefinementTile* tile);
 
 // The same of all tiles, by the surface and the views that each of them has.
+// \param views  as they are compared.
 // \param tiles  [cells] with their margins
 void EstimateJobs(const Surface& surface, const TileCells& cells,
-                  const std::vector<View>& views, double max_memory_gb,
-                  double gb_per_pixel, std::vector<RefinementTile>* tiles);
+                  const std::vector<View>& views, const RefinerOptions& options,
+                  double gb_per_facet, std::vector<RefinementTile>* tiles);
 
 // What a run without tiles takes, as a rule.
 RefinementTile EstimateRun(const Surface& surface,
                            const std::vector<View>& views,
-                           double max_memory_gb);
+                           const RefinerOptions& options);
 
 }  // namespace colmap_ext

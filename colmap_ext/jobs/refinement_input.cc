@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "colmap_ext/jobs/refinement_estimate.h"
 #include "colmap_ext/terminal/terminal.h"
 #include "formats/read_numbers.h"
 #include "formats/write_mesh.h"
@@ -19,6 +20,14 @@ namespace colmap_ext {
 namespace {
 
 namespace fs = std::filesystem;
+
+// A pixel takes one byte in an image, and mostly three where facets are drawn.
+constexpr double kImageShare = 0.25;
+constexpr double kDrawingShare = 0.75;
+
+// The least share of the memory that is left for drawings: some views and their
+// partners. Chosen by hand.
+constexpr double kMinDrawingShare = 0.25;
 
 constexpr const char* kFusedName = "fused.ply";
 constexpr const char* kRefinerOutput = "meshed-refined.ply";
@@ -212,9 +221,13 @@ RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
   return paths;
 }
 
-void ReadPictures(const RefinerOptions& options, const fs::path& images_path,
-                  const ReadGrayImage& read_mask, const PictureDecoder& decoder,
-                  RefinementInput* input) {
+size_t RefinementInput::MaxDrawingMemory() const {
+  return static_cast<size_t>(kDrawingShare * 1e9 * expected.cache_gb);
+}
+
+void ReadPictures(const RefinerOptions& options, const Surface& surface,
+                  const fs::path& images_path, const ReadGrayImage& read_mask,
+                  const PictureDecoder& decoder, RefinementInput* input) {
   const std::vector<View> views = input->views;
   for (View& view : input->views) {
     view = ViewAtScale(view, options.image_scale);
@@ -223,11 +236,14 @@ void ReadPictures(const RefinerOptions& options, const fs::path& images_path,
   if (masks) {
     input->masks = MaskCloud(masks, input->views, &input->points);
   }
+  input->expected = EstimateRun(surface, input->views, options);
+  const double cache = 1e9 * input->expected.cache_gb;
   input->images = std::make_shared<ImagePyramid>(
       input->views,
       ResizedImages(PictureReader(images_path, views, decoder), views,
                     input->views),
-      options.MaxImageMemory(), masks, options.MaxMemoryLentToImages());
+      static_cast<size_t>(kImageShare * cache), masks,
+      static_cast<size_t>((kDrawingShare - kMinDrawingShare) * cache));
   FindUnreadable([input](size_t view) { input->images->Image(view); },
                  &input->picture_errors);
   if (!options.skip_missing_images) {
@@ -264,7 +280,7 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
   Report(progress, "Reading the images", 0);
   const std::string& masks = options.scene.mask_path;
   ReadPictures(
-      options, paths.folder / "images",
+      options, input, paths.folder / "images",
       masks.empty() ? ReadGrayImage() : MaskReader(masks, input.views, decoder),
       decoder, &input);
   Report(progress, "Reading the sparse model", 0);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "colmap_ext/jobs/job_file.h"
+#include "colmap_ext/jobs/plan.h"
 #include "colmap_ext/options/refinement_options.h"
 #include "formats/read_ply.h"
 #include "mesh/split_fans.h"
@@ -58,7 +59,11 @@ struct RefinementInput : Surface {
   std::vector<std::string> picture_errors;  // [views] empty: can be used
   std::shared_ptr<ImagePyramid> images;     // [views], read as memory allows
   std::shared_ptr<const RefinableCameras> cameras;
-  bool is_part = false;  // see RefinementStart
+  bool is_part = false;     // see RefinementStart
+  RefinementTile expected;  // what the run takes
+
+  // Of what is drawn into the images and kept, bytes.
+  size_t MaxDrawingMemory() const;
 
   WorkspaceReport workspace;
   bool has_fused_points = true;     // else the mesh's vertices stand for them
@@ -69,12 +74,13 @@ struct RefinementInput : Surface {
   std::optional<ManifoldRepair> repair;  // of the mesh, without its arrays
 };
 
-// Scales the input's views by image_scale, opens their pictures, and reads each
-// once to see that it can be read; takes masked observations and unusable
-// pictures from the points.
+// Scales the input's views by image_scale, estimates the run, opens the
+// pictures, and reads each once to see that it can be read; takes masked
+// observations and unusable pictures from the points.
+// \param surface  to be refined
 // \param read_mask  of the views before, in full; empty: no masks
 // \throw FileError if a picture cannot be used, unless such are skipped
-void ReadPictures(const RefinerOptions& options,
+void ReadPictures(const RefinerOptions& options, const Surface& surface,
                   const std::filesystem::path& images_path,
                   const ReadGrayImage& read_mask, const PictureDecoder& decoder,
                   RefinementInput* input);

@@ -10,7 +10,6 @@
 #include "formats/write_mesh.h"
 #include "gl/egl_context.h"
 #include "gl/gl_photometric_energy.h"
-#include "refine/facet_sizes.h"
 
 namespace colmap_ext {
 namespace {
@@ -29,19 +28,17 @@ std::optional<bool> IsGlSoftware(int gpu_index) {
 }
 
 std::unique_ptr<PhotometricEnergy> MakeGl(const RefinerOptions& options,
-                                          std::shared_ptr<ImagePyramid> images,
-                                          size_t expected_facets,
+                                          const RefinementInput& input,
                                           WarnFunction warn) {
   // Both directions of the first labels, one of the final ones.
   const FacetLabelingOptions& labeling = options.refinement.labeling;
   const int num_directions =
       std::max(2 * labeling.pairs_per_facet, labeling.final_pairs_per_facet);
-  return MakeGlPhotometricEnergy(options.refinement.photometric,
-                                 std::move(images),
+  return MakeGlPhotometricEnergy(options.refinement.photometric, input.images,
                                  {options.gpu_index,
-                                  options.MaxDrawingMemory(),
+                                  input.MaxDrawingMemory(),
                                   {},
-                                  expected_facets,
+                                  static_cast<size_t>(input.expected.facets),
                                   static_cast<size_t>(num_directions),
                                   std::move(warn)});
 }
@@ -55,20 +52,21 @@ struct RefinementBackend {
 // By options.backend. Where the choice is free, OpenGL in software is not
 // taken: the processor is faster without it. Where the graphics card fails
 // later, the processor takes over.
-// \param expected_facets  of the mesh, at the finest level.
 // \param warn  called with lines for the user, now and as long as the energy
 //        lives.
 // \throw OptionError if OpenGL is asked for, and is not to be had.
 RefinementBackend MakeBackend(const RefinerOptions& options,
-                              std::shared_ptr<ImagePyramid> images,
-                              size_t expected_facets,
+                              const RefinementInput& input,
                               const WarnFunction& warn) {
   const auto make_cpu = [&] {
-    return MakeCpuPhotometricEnergy(options.refinement.photometric, images,
-                                    options.MaxDrawingMemory());
+    return MakeCpuPhotometricEnergy(options.refinement.photometric,
+                                    input.images, input.MaxDrawingMemory());
   };
   if (options.backend == Backend::kCpu) {
     return {make_cpu()};
+  }
+  if (options.backend == Backend::kAuto && !MayHaveGraphicsCard()) {
+    return {make_cpu(), "; there is no graphics card here"};
   }
   const std::optional<bool> is_software = IsGlSoftware(options.gpu_index);
   if (options.backend == Backend::kGl) {
@@ -78,7 +76,7 @@ RefinementBackend MakeBackend(const RefinerOptions& options,
           "--FacetwiseRefinement.backend cpu");
     }
     try {
-      return {MakeGl(options, images, expected_facets, warn)};
+      return {MakeGl(options, input, warn)};
     } catch (const NoGlError& error) {
       throw OptionError(std::string(error.what()) +
                         "; --FacetwiseRefinement.backend cpu needs none");
@@ -86,7 +84,7 @@ RefinementBackend MakeBackend(const RefinerOptions& options,
   }
   if (is_software.has_value() && !*is_software) {
     try {
-      return {MakeGl(options, images, expected_facets, warn)};
+      return {MakeGl(options, input, warn)};
     } catch (const GlError& error) {
       warn(std::string("the graphics card cannot be used (") + error.what() +
            "); the processor computes all");
@@ -234,13 +232,10 @@ void ResumableRefinement::Resume(RefinementInput* input) {
 
 RefinedMesh ResumableRefinement::Run(RefinementInput* input) {
   const RefinementBackend backend =
-      MakeBackend(options_, input->images,
-                  ExpectedFacets(options_.refinement.max_face_area, input->mesh,
-                                 input->attributes.views, input->views),
-                  [this](const std::string& warning) {
-                    console_.reporter.Finish();
-                    PrintWarning(warning, &console_.log);
-                  });
+      MakeBackend(options_, *input, [this](const std::string& warning) {
+        console_.reporter.Finish();
+        PrintWarning(warning, &console_.log);
+      });
   PrintText("computed by", backend.energy->Description() + backend.reason,
             &console_.log);
   std::cout << std::endl;

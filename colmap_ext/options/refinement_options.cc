@@ -5,13 +5,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A pixel takes one byte in an image, and mostly three where facets are drawn.
-constexpr double kImageShare = 1.0 / 4;
-
-// The least share of the memory that is left for drawings: some views and their
-// partners. Chosen by hand.
-constexpr double kMinDrawingShare = 0.25;
-
 // An empty path stays empty.
 fs::path WithExtension(const fs::path& path, const char* extension) {
   return path.empty() ? path : fs::path(path).replace_extension(extension);
@@ -209,11 +202,12 @@ void AddRunOptions(CommandOptions* options, RefinerOptions* refiner) {
   AddGpuIndexOption(&refiner->gpu_index, options);
   options->AddAlias(ours + "gpu_index", "gpu_index");
   options->AddThreads("FacetwiseRefinement");
-  options->Add(
-      "image_cache_gb", &refiner->image_cache_gb, kGigabytes,
-      "[GB] Memory for cached images and what is drawn into them; what does "
-      "not fit is read and drawn again. The mesh, its visibility and "
-      "labels come on top");
+  options->Add("max_memory_gb", &refiner->max_memory_gb,
+               {kGigabytes.lower, kGigabytes.upper, kAutoMemory, "auto"},
+               "[GB] Memory to keep to if the mesh allows it: images and what "
+               "is drawn into them are kept in what the mesh leaves, and read "
+               "and drawn again beyond that. auto: three quarters of the "
+               "machine's");
 }
 
 }  // namespace
@@ -254,19 +248,6 @@ fs::path RefinerOptions::StepsPath() const {
 
 fs::path RefinerOptions::PagePath() const {
   return WithExtension(report_path, ".html");
-}
-
-size_t RefinerOptions::MaxImageMemory() const {
-  return static_cast<size_t>(kImageShare * 1e9 * image_cache_gb);
-}
-
-size_t RefinerOptions::MaxDrawingMemory() const {
-  return static_cast<size_t>((1 - kImageShare) * 1e9 * image_cache_gb);
-}
-
-size_t RefinerOptions::MaxMemoryLentToImages() const {
-  return static_cast<size_t>((1 - kImageShare - kMinDrawingShare) * 1e9 *
-                             image_cache_gb);
 }
 
 void AddResultOptions(CommandOptions* options, RefinerOptions* refiner) {

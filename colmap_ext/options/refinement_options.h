@@ -20,6 +20,7 @@ enum class Backend {
 
 // Trims only where fused points give confidences.
 inline constexpr double kAutoTrim = -1;
+inline constexpr double kAutoMemory = -1;
 
 // Options of facetwise_refiner.
 struct RefinerOptions {
@@ -44,7 +45,7 @@ struct RefinerOptions {
   std::optional<ImageOrderKind> image_order;   // see WorkspaceOptions
   std::optional<RefinedParts> refine_cameras;  // nullopt: if it is needed
   int gpu_index = -1;                          // see EglContext
-  double image_cache_gb = 4;
+  double max_memory_gb = kAutoMemory;
   bool skip_missing_images = false;
 
   // Checks the options, and sets those that depend on others.
@@ -61,13 +62,6 @@ struct RefinerOptions {
   // Paths of written files; empty if the option is.
   std::filesystem::path StepsPath() const;  // CSV
   std::filesystem::path PagePath() const;   // HTML
-
-  // Memory of the images of a level, of what is drawn into them, and the part
-  // of the second that images may take too, bytes. The first two together are
-  // image_cache_gb.
-  size_t MaxImageMemory() const;
-  size_t MaxDrawingMemory() const;
-  size_t MaxMemoryLentToImages() const;
 };
 
 // Adds the options to those of a command.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <filesystem>
 #include <map>
 #include <utility>
 #include <vector>
@@ -234,6 +235,12 @@ EglContext::Scope::~Scope() {
   const bool had_context = previous_context_ != EGL_NO_CONTEXT;
   eglMakeCurrent(had_context ? previous_display_ : display_, EGL_NO_SURFACE,
                  EGL_NO_SURFACE, previous_context_);
+}
+
+bool MayHaveGraphicsCard() {
+  return std::filesystem::exists("/dev/dri") ||
+         std::filesystem::exists("/dev/dxg") ||  // of WSL
+         (IsInstalled("libEGL.so.1") && !GraphicsCards().empty());
 }
 
 GlLimits FindGlLimits(const GlLimits& at_most, bool is_software) {

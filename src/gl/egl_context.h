@@ -72,6 +72,11 @@ class EglContext {
   bool is_software_ = false;
 };
 
+// Whether OpenGL can be more than software here: EGL lists a graphics card, or
+// the system has a device of one. Unlike a context, this does not load Mesa's
+// drivers, which take 60 MB.
+bool MayHaveGraphicsCard();
+
 // Limits of a graphics card.
 struct GlLimits {
   size_t max_block = SIZE_MAX;   // of a buffer that a shader reaches at a time,

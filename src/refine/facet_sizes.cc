@@ -188,17 +188,29 @@ FacetVisibility RemeshForImages(double area, const DrawMesh& draw,
   return FindVisibleFacets(*draw(surface->mesh));
 }
 
-size_t ExpectedFacets(double area, const TriangleMesh& mesh,
-                      const Rows<uint32_t>& vertex_views,
-                      const std::vector<View>& views) {
-  const double footprint = MedianFootprint(mesh, vertex_views, views);
-  double total_area = 0;
+std::vector<float> ExpectedParts(double area, const TriangleMesh& mesh,
+                                 const Rows<uint32_t>& vertex_views,
+                                 const std::vector<View>& views) {
+  FacetVisibility visibility;
   for (const Facet& facet : mesh.facets) {
-    total_area += AreaVector(mesh, facet).norm() / 2;
+    std::vector<uint32_t> of_facet;
+    for (const uint32_t vertex : facet) {
+      Append(vertex_views[vertex], &of_facet);
+    }
+    SortUnique(&of_facet);
+    visibility.AddRow(of_facet);
   }
-  const double expected =
-      footprint > 0 ? total_area / (area * footprint * footprint) : 0;
-  return std::max(mesh.facets.size(), static_cast<size_t>(expected));
+  const std::vector<float> lengths =
+      WantedLengths(area, mesh, RefinableAreas(mesh, views, visibility));
+  std::vector<float> parts(mesh.facets.size());
+  tbb::parallel_for(size_t{0}, parts.size(), [&](size_t i) {
+    const auto [a, b, c] = mesh.facets[i];
+    const double length = (lengths[a] + lengths[b] + lengths[c]) / 3;
+    const double wanted = std::pow(length / EdgeOfArea(1), 2);
+    parts[i] = static_cast<float>(AreaVector(mesh, mesh.facets[i]).norm() / 2 /
+                                  wanted);
+  });
+  return parts;
 }
 
 }  // namespace colmap_ext

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "base/rows.h"
@@ -39,13 +39,12 @@ FacetVisibility SubdivideLargeFacets(double max_area, const DrawMesh& draw,
 FacetVisibility RemeshForImages(double area, const DrawMesh& draw,
                                 Surface* surface);
 
-// About how many facets a mesh has once it is remeshed, if it is curved
-// everywhere: its area by that of a facet, at the median footprint of a pixel;
-// not fewer than it has. For estimates of memory.
+// Returns [F] about how many facets will stand in the place of each once the
+// mesh is remeshed: less than one where they grow.
 // \param area  px^2
 // \param vertex_views [V] see VertexAttributes
-size_t ExpectedFacets(double area, const TriangleMesh& mesh,
-                      const Rows<uint32_t>& vertex_views,
-                      const std::vector<View>& views);
+std::vector<float> ExpectedParts(double area, const TriangleMesh& mesh,
+                                 const Rows<uint32_t>& vertex_views,
+                                 const std::vector<View>& views);
 
 }  // namespace colmap_ext

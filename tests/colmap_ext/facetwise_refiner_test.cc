@@ -174,7 +174,7 @@ TEST_F(FacetwiseRefinerTest, WorksInLittleMemory) {
   const std::string arguments = " @levels 2 @iterations 2";
   Succeed(Refine(arguments));
   const std::string mesh = ReadFile(path_ / kOutput);
-  Succeed(Refine(arguments + " --image_cache_gb 1e-9"));
+  Succeed(Refine(arguments + " --max_memory_gb 1e-9"));
   EXPECT_EQ(ReadFile(path_ / kOutput), mesh);
 }
 

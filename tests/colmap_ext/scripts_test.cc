@@ -287,7 +287,7 @@ TEST_F(SlurmScriptsTest, RefinesColourAfterColour) {
   std::string json = "{\n";
   for (const char* color : {"0", "1", "0", "2"}) {
     json += std::string("  {\n   \"color\": ") + color +
-            ",\n   \"pixels\": 1e5,\n   \"memory_gb\": 0.5,\n   \"thread_gb\": "
+            ",\n   \"facets\": 1e4,\n   \"memory_gb\": 0.5,\n   \"thread_gb\": "
             "0.1\n"
             "  },\n";
   }

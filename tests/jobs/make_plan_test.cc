@@ -202,7 +202,7 @@ TEST_F(JobInputsTest, TellsTheOptionThatWasChanged) {
   options_.refinement.smoothness_weight = 0.1 + 0.2;
   EXPECT_EQ(Changed(), "FacetwiseRefinement.smoothness_weight");
   options_.refinement.smoothness_weight = 1;
-  options_.image_cache_gb = 1;
+  options_.max_memory_gb = 1;
   EXPECT_EQ(Changed(), "") << "this does not change the result";
 }
 
@@ -235,30 +235,42 @@ std::vector<View> Views(size_t count) {
   return std::vector<View>(count, View{"", 4000, 3000});
 }
 
-RefinementTile Estimate(size_t num_views, double max_memory_gb, double pixels) {
+RefinementTile Estimate(size_t num_views, double max_memory_gb, double facets) {
   RefinementTile tile;
-  tile.pixels = pixels;
-  EstimateRefinement(Views(num_views), max_memory_gb, kBoundGbPerPixel, &tile);
+  tile.facets = facets;
+  EstimateRefinement(Views(num_views), max_memory_gb, 1, kBoundGbPerFacet,
+                     &tile);
   return tile;
 }
 
 TEST(EstimateRefinement, CountsWhatEachThreadHolds) {
   constexpr double kImageGb = 4000 * 3000 * 4e-9;  // and what is drawn into it
   for (const size_t num_views : {2, 20, 200}) {
-    for (const double pixels : {1e6, 1e8}) {
-      const RefinementTile kept = Estimate(num_views, 1e3, pixels);
+    for (const double facets : {1e5, 1e7}) {
+      const RefinementTile kept = Estimate(num_views, 1e3, facets);
       // A picture of 4 bytes a pixel that is read.
       EXPECT_GT(kept.thread_gb, 4000 * 3000 * 4e-9);
       EXPECT_GT(kept.memory_gb, kImageGb * static_cast<double>(num_views));
       // Where images are not kept, each thread has two of them.
-      const RefinementTile dropped = Estimate(num_views, 1e-9, pixels);
+      const RefinementTile dropped = Estimate(num_views, 1e-9, facets);
       EXPECT_NEAR(dropped.thread_gb - kept.thread_gb, 2 * kImageGb, 1e-6);
       EXPECT_LT(dropped.memory_gb, kept.memory_gb);
     }
   }
   // 2.5 times what it takes as a rule.
-  EXPECT_NEAR(Estimate(2, 1e3, 2e8).memory_gb - Estimate(2, 1e3, 1e8).memory_gb,
-              2.5 * kUsualGbPerPixel * 1e8, 1e-6);
+  EXPECT_NEAR(Estimate(2, 1e3, 2e7).memory_gb - Estimate(2, 1e3, 1e7).memory_gb,
+              2.5 * kUsualGbPerFacet * 1e7, 1e-6);
+}
+
+// Images get what the mesh leaves, so that the job keeps to the limit.
+TEST(EstimateRefinement, KeepsToTheLimitWhereTheMeshAllowsIt) {
+  for (const double facets : {1e5, 1e6, 1e7}) {
+    const RefinementTile job = Estimate(500, 16, facets);
+    EXPECT_NEAR(job.memory_gb + job.thread_gb, 16, 1e-6) << facets;
+    EXPECT_EQ(Estimate(500, 1e3, facets).cache_gb > 500 * 12e6 * 4e-9, true);
+  }
+  // An eighth stays, however large the mesh is.
+  EXPECT_EQ(Estimate(500, 16, 1e9).cache_gb, 2);
 }
 
 }  // namespace colmap_ext::make_plan_test

@@ -3,17 +3,18 @@
 #include <gtest/gtest.h>
 
 #include "base/indices.h"
+#include "colmap_ext/terminal/terminal.h"
 #include "tests/mesh/known_meshes.h"
 
 namespace colmap_ext::refinement_estimate_test {
 
 constexpr double kEnoughGb = 1e3;
-constexpr uint32_t kNumQuads = 8;  // along each side, of a scene unit
+constexpr uint32_t kNumQuads = 8;  // along each side, one scene unit each
 
-// A sheet ten units before a camera whose pixels are 10 / focal_length of a
-// unit on it.
+// A sheet ten units before cameras whose pixels are 10 / focal_length of a unit
+// on it.
 RefinementTile Estimate(double focal_length, double max_memory_gb,
-                        size_t num_views = 1) {
+                        size_t num_views = 2, double max_face_area = 7) {
   Surface surface{MakeSheet(kNumQuads, kNumQuads), {}};
   for (size_t i = 0; i < surface.mesh.vertices.size(); ++i) {
     surface.attributes.views.AddRow(Iota(static_cast<uint32_t>(num_views)));
@@ -21,29 +22,45 @@ RefinementTile Estimate(double focal_length, double max_memory_gb,
   View view{"", 4000, 3000};
   view.fx = view.fy = focal_length;
   view.cam_from_world_translation.z() = 10;
-  return EstimateRun(surface, std::vector<View>(num_views, view),
-                     max_memory_gb);
+  RefinerOptions options;
+  options.max_memory_gb = max_memory_gb;
+  options.refinement.max_face_area = max_face_area;
+  return EstimateRun(surface, std::vector<View>(num_views, view), options);
 }
 
-TEST(EstimateRun, TakesTheSurfaceByItsPixels) {
-  const double fine = Estimate(2000, kEnoughGb).pixels;
-  const double usual = Estimate(1000, kEnoughGb).pixels;
-  EXPECT_NEAR(fine / usual, 4, 1e-3);
-  // A facet takes as much as seven pixels, however small it is.
-  const double coarse = Estimate(1, kEnoughGb).pixels;
-  EXPECT_NEAR(usual / coarse, 100 * 100 / 2.0 / 7, 1e-3);
-  EXPECT_EQ(Estimate(0.5, kEnoughGb).pixels, coarse);
+TEST(EstimateRun, TakesTheFacetsOfTheFinestLevel) {
+  const double usual = Estimate(1000, kEnoughGb).facets;
+  EXPECT_NEAR(Estimate(2000, kEnoughGb).facets / usual, 4, 1e-3);
+  EXPECT_NEAR(Estimate(1000, kEnoughGb, 2, 3.5).facets / usual, 2, 1e-3);
+  // A sheet is flat: its facets get nine times as large as they may be small.
+  constexpr double kSide = 100.0 * kNumQuads;  // px
+  EXPECT_NEAR(usual, kSide * kSide / 7 / 9, 0.01 * usual);
+  // It has as many as it has before, at least.
+  EXPECT_EQ(Estimate(1, kEnoughGb).facets, 2 * kNumQuads * kNumQuads);
+  // What one view sees is not refined.
+  EXPECT_EQ(Estimate(1000, kEnoughGb, 1).facets, 2 * kNumQuads * kNumQuads);
 }
 
 TEST(EstimateRun, TakesImagesUpToWhatIsKeptAndOneForEachThread) {
   constexpr double kPixelsGb = 4000 * 3000 * 1e-9;  // a byte for each
-  const double one = Estimate(1000, kEnoughGb).memory_gb;
-  EXPECT_NEAR(Estimate(1000, kEnoughGb, 11).memory_gb - one, 10 * 4 * kPixelsGb,
+  const RefinementTile two = Estimate(1000, kEnoughGb);
+  EXPECT_NEAR(Estimate(1000, kEnoughGb, 12).memory_gb - two.memory_gb,
+              10 * 4 * kPixelsGb, 1e-6);
+  const RefinementTile less = Estimate(1000, 0.04);
+  EXPECT_NEAR(two.memory_gb - less.memory_gb, 2 * 4 * kPixelsGb - less.cache_gb,
               1e-6);
-  EXPECT_NEAR(one - Estimate(1000, 0.04).memory_gb, 4 * kPixelsGb - 0.04, 1e-6);
-  EXPECT_GT(Estimate(1000, kEnoughGb).thread_gb, 4 * kPixelsGb);
-  EXPECT_GT(Estimate(1000, kEnoughGb, 11).core_seconds,
-            Estimate(1000, kEnoughGb).core_seconds);
+  EXPECT_GT(two.thread_gb, 4 * kPixelsGb);
+  EXPECT_GT(less.thread_gb, two.thread_gb);
+  EXPECT_GT(Estimate(1000, kEnoughGb, 12).core_seconds, two.core_seconds);
+}
+
+TEST(MaxMemoryGb, IsAPartOfTheMachine) {
+  const double machine = MaxMemoryGb({});
+  EXPECT_GT(machine, 0.1);
+  EXPECT_LT(machine, 1e-9 * static_cast<double>(MachineMemory()));
+  RefinerOptions options;
+  options.max_memory_gb = 3;
+  EXPECT_EQ(MaxMemoryGb(options), 3);
 }
 
 }  // namespace colmap_ext::refinement_estimate_test
