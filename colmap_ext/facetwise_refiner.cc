@@ -116,7 +116,7 @@ class Refiner {
         run.memory_gb + run.thread_gb * tbb::this_task_arena::max_concurrency();
     PrintHeading("Run", log_);
     PrintText("memory, estimated",
-              fmt::format("{:.2f} of {:.1f} GB", memory_gb, max_memory_gb),
+              fmt::format("{:.2f} of {:.3g} GB", memory_gb, max_memory_gb),
               log_);
     PrintText("time of all threads, estimated",
               fmt::format("{:.1f} min", run.core_seconds / 60), log_);

@@ -34,7 +34,9 @@ void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
   constexpr double kGbPerReadPixel = 4e-9;
   constexpr double kSecondsPerFacet = 2.8e-4;
   constexpr double kSecondsPerImagePixel = 2e-6;
-  // Images are kept in what is left, and at least in this share: a choice.
+  // Of max_memory_gb: what the estimate may be wrong by, and what is always
+  // left for images. Choices.
+  constexpr double kReserve = 0.1;
   constexpr double kMinImageShare = 0.125;
   double num_pixels = 0;
   double largest = 0;
@@ -47,9 +49,9 @@ void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
   const double pair_gb = 2 * kGbPerImagePixel * largest;
   const double thread_gb = kGbPerThread + kGbPerReadPixel * largest;
   const double rest_gb = kBaseGb + gb_per_facet * tile->facets;
-  tile->cache_gb =
-      std::clamp(max_memory_gb - rest_gb - num_threads * (thread_gb + pair_gb),
-                 kMinImageShare * max_memory_gb, max_memory_gb);
+  tile->cache_gb = std::max((1 - kReserve) * max_memory_gb - rest_gb -
+                                num_threads * (thread_gb + pair_gb),
+                            kMinImageShare * max_memory_gb);
   const double kept_gb = std::min(tile->cache_gb, images_gb);
   tile->memory_gb = rest_gb + kept_gb;
   tile->thread_gb = thread_gb + std::min(pair_gb, images_gb - kept_gb);

@@ -18,12 +18,11 @@ namespace fs = std::filesystem;
 
 using WarnFunction = std::function<void(const std::string& warning)>;
 
-// Whether OpenGL would be software; nothing if there is none.
-std::optional<bool> IsGlSoftware(int gpu_index) {
+bool HasGraphicsCard(int gpu_index) {
   try {
-    return EglContext(gpu_index).IsSoftware();
+    return MayHaveGraphicsCard() && !EglContext(gpu_index).IsSoftware();
   } catch (const NoGlError&) {
-    return std::nullopt;
+    return false;
   }
 }
 
@@ -65,34 +64,27 @@ RefinementBackend MakeBackend(const RefinerOptions& options,
   if (options.backend == Backend::kCpu) {
     return {make_cpu()};
   }
-  if (options.backend == Backend::kAuto && !MayHaveGraphicsCard()) {
-    return {make_cpu(), "; there is no graphics card here"};
-  }
-  const std::optional<bool> is_software = IsGlSoftware(options.gpu_index);
-  if (options.backend == Backend::kGl) {
-    if (is_software.value_or(false)) {
-      warn(
-          "OpenGL is drawn by software here, which is slower than "
-          "--FacetwiseRefinement.backend cpu");
+  const bool has_card = HasGraphicsCard(options.gpu_index);
+  try {
+    if (options.backend == Backend::kGl || has_card) {
+      RefinementBackend backend{MakeGl(options, input, warn)};
+      if (!has_card) {
+        warn(
+            "OpenGL is drawn by software here, which is slower than "
+            "--FacetwiseRefinement.backend cpu");
+      }
+      return backend;
     }
-    try {
-      return {MakeGl(options, input, warn)};
-    } catch (const NoGlError& error) {
+  } catch (const GlError& error) {
+    if (options.backend == Backend::kGl) {
       throw OptionError(std::string(error.what()) +
                         "; --FacetwiseRefinement.backend cpu needs none");
     }
+    warn(std::string("the graphics card cannot be used (") + error.what() +
+         "); the processor computes all");
   }
-  if (is_software.has_value() && !*is_software) {
-    try {
-      return {MakeGl(options, input, warn)};
-    } catch (const GlError& error) {
-      warn(std::string("the graphics card cannot be used (") + error.what() +
-           "); the processor computes all");
-    }
-  }
-  return {make_cpu(), !is_software   ? "; there is no OpenGL here"
-                      : *is_software ? "; OpenGL would be software here"
-                                     : ""};
+  return {make_cpu(),
+          has_card ? "" : "; there is no graphics card with OpenGL"};
 }
 
 JobFile StateFile(const fs::path& output) {

@@ -167,9 +167,10 @@ class FacetwiseRefinementOptions(BaseOptions):
     num_threads: Annotated[int, Range(1, 1024, also=-1)] = -1
     """[threads] Number of threads; -1: all cores. The result does not depend on it."""
 
-    image_cache_gb: Annotated[float, Range(1e-09, 1000000)] = 4.0
-    """[GB] Memory for cached images and what is drawn into them; what does not fit is
-    read and drawn again. The mesh, its visibility and labels come on top."""
+    max_memory_gb: Union[Annotated[float, Range(1e-09, 1000000)], Literal["auto"]] = "auto"
+    """[GB] Memory to keep to if the mesh allows it: images and what is drawn into them
+    are kept in what the mesh leaves, and read and drawn again beyond that. auto: three
+    quarters of the machine's."""
 
     quality: Literal["low", "medium", "high", "extreme"] = "high"
     """Preset of image_scale, max_face_area and final_pairs_per_face; options that are

@@ -46,7 +46,7 @@ std::vector<float> InverseDepths(const DrawnView& i) {
 double Texture(const DrawnView& i, const std::vector<float>& depths, int row,
                int col, int radius, float max_relative_depth) {
   const uint32_t facet = i.drawn.facets[i.drawn.Index(row, col)];
-  if (facet == kNone || !i.drawn.is_facing[facet]) {
+  if (facet == kNone || !IsFacing(i.view, i.mesh, i.drawn, facet)) {
     return -1;
   }
   const float center = depths[i.drawn.Index(row, col)];
@@ -165,7 +165,7 @@ std::optional<Seeing> Sees(const DrawnScene& scene, const FacetIdBuffer& drawn,
   const View& view_j = scene.buffers.Views()[j];
   const TriangleMesh& mesh = scene.buffers.Mesh();
   const Eigen::Vector3d in_j = view_j.CamFromWorld(point);
-  if (!drawn.is_facing[patch.facet] || !(in_j.z() > 0)) {
+  if (!IsFacing(view_j, mesh, drawn, patch.facet) || !(in_j.z() > 0)) {
     return std::nullopt;
   }
   const Eigen::Vector2d pixel = view_j.ImageFromCam(in_j);

@@ -28,7 +28,8 @@ class DisplacedWarp {
     const Facet& corners = i_.mesh.facets[facet];
     const FacetFrame frame = ComputeFacetFrame(i_.mesh, corners);
     facet_ = facet;
-    is_facing_ = i_.drawn.is_facing[facet] && j_.drawn.is_facing[facet];
+    is_facing_ = IsFacing(i_.view, i_.mesh, i_.drawn, facet) &&
+                 IsFacing(j_.view, j_.mesh, j_.drawn, facet);
     const double distance = frame.normal.dot(frame.corner - pair_.center_i);
     const double displaced = distance + frame.normal.dot(offset_);
     inverse_depth_ =

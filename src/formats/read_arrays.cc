@@ -1,9 +1,9 @@
 #include "formats/read_arrays.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstring>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 
@@ -69,36 +69,24 @@ std::string_view FindValue(std::string_view header, std::string_view key) {
   return value;
 }
 
-// One byte each.
+// One byte each, as NumPy names them.
 bool IsByteType(std::string_view type) {
-  if (!type.starts_with('\'')) {
-    return false;
-  }
-  type.remove_prefix(1);
-  type.remove_prefix(type.find_first_of("|<>=") == 0 ? 1 : 0);
-  return type.starts_with("u1'") || type.starts_with("i1'") ||
-         type.starts_with("b1'") || type.starts_with("?'");
+  return type.starts_with("'|u1'") || type.starts_with("'|i1'") ||
+         type.starts_with("'|b1'");
 }
 
 // "(X, Y, Z)"
 std::optional<std::array<size_t, 3>> ParseSize(std::string_view shape) {
   constexpr size_t kMaxSize = 999999;  // so that the product fits
+  std::istringstream text{std::string(shape)};
   std::array<size_t, 3> size{};
-  const char* begin = shape.data();
-  const char* const end = begin + shape.size();
-  for (int i = 0; i < 3; ++i) {
-    const std::string_view before = i == 0 ? "(" : ", ";
-    if (!std::string_view(begin, end).starts_with(before)) {
-      return std::nullopt;
-    }
-    const auto [rest, error] =
-        std::from_chars(begin + before.size(), end, size[i]);
-    if (error != std::errc() || size[i] > kMaxSize) {
-      return std::nullopt;
-    }
-    begin = rest;
-  }
-  return begin != end && *begin == ')' ? std::optional(size) : std::nullopt;
+  std::array<char, 4> marks{};
+  text >> marks[0] >> size[0] >> marks[1] >> size[1] >> marks[2] >> size[2] >>
+      marks[3];
+  return text && std::string_view(marks.data(), 4) == "(,,)" &&
+                 std::ranges::max(size) <= kMaxSize
+             ? std::optional(size)
+             : std::nullopt;
 }
 
 // From x fastest to z fastest.

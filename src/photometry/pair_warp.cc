@@ -96,7 +96,8 @@ PairWarp::Plane PairWarp::PlaneOf(uint32_t facet) const {
   const Eigen::Matrix3d pixel_from_ray = pair_.ray_from_pixel_i.transpose();
   Plane plane;
   plane.facet = facet;
-  plane.is_facing = i_.drawn.is_facing[facet] && j_.drawn.is_facing[facet];
+  plane.is_facing = IsFacing(i_.view, i_.mesh, i_.drawn, facet) &&
+                    IsFacing(j_.view, j_.mesh, j_.drawn, facet);
   plane.nearness = -1 / frame.normal.dot(from_corner);
   plane.inverse_depth = plane.nearness * (pixel_from_ray * frame.normal);
   plane.slope = PlaneSlope(j_.view, mesh_, mesh_.facets[facet]);

@@ -112,7 +112,7 @@ std::vector<std::vector<PixelBox>> FindTiles(
 }
 
 std::vector<uint32_t> OrderByPartners(const Rows<uint32_t>& partners) {
-  // A choice: about what the default of image_cache_gb keeps of 20 megapixels.
+  // A choice: about what 4 GB keep of 20 megapixels.
   constexpr size_t kMaxRecent = 16;
   std::deque<uint32_t> recent;  // the last used last
   std::vector<uint8_t> is_recent(partners.size(), 0);

@@ -293,16 +293,14 @@ DrawnFacets DrawFacets(const View& view, const TriangleMesh& mesh,
   const size_t num_pixels = static_cast<size_t>(view.width) * view.height;
   buffer.facets = FacetIds(num_pixels, mesh.facets.size());
   buffer.inverse_depths.assign(num_pixels, 0);
-  buffer.is_facing.assign(mesh.facets.size(), false);
+  buffer.min_cosine = min_cosine;
   ProjectedVertices vertices(view, mesh);
-  const Eigen::Vector3d center = view.Center();
   const auto draw = [&](uint32_t i) {
     const Facet& facet = mesh.facets[i];
     const std::array<Projected, 3> corners = vertices.CornersOf(facet);
     if (IsWhole(corners)) {
       if (MayReachImage(corners, buffer)) {
         DrawFacet(i, corners, &buffer);
-        buffer.is_facing[i] = IsFacing(mesh, facet, center, min_cosine);
       }
     } else if (IsClipped(view, mesh, facet, corners)) {
       buffer.clipped.push_back(i);
@@ -334,7 +332,6 @@ DrawnFacets DrawFacets(const View& view, const TriangleMesh& mesh,
   std::ranges::sort(buffer.clipped);
   for (const uint32_t i : buffer.clipped) {
     DrawClipped(view, mesh, i, &buffer);
-    buffer.is_facing[i] = IsFacing(mesh, mesh.facets[i], center, 0);
   }
   return buffer;
 }
@@ -380,6 +377,13 @@ DrawnDepth DepthOf(const View& view, const TriangleMesh& mesh,
   const Eigen::Vector3d by_pixel = InverseDepthByPixel(view, mesh, facet);
   return {by_pixel.dot(Eigen::Vector3d(0.5, 0.5, 1)), by_pixel.y(),
           by_pixel.x(), 0, std::numeric_limits<double>::infinity()};
+}
+
+bool IsFacing(const View& view, const TriangleMesh& mesh,
+              const FacetIdBuffer& drawn, uint32_t facet) {
+  const bool is_clipped = std::ranges::binary_search(drawn.clipped, facet);
+  return IsFacing(mesh, mesh.facets[facet], view.Center(),
+                  is_clipped ? 0 : drawn.min_cosine);
 }
 
 bool IsNearer(const View& view, const TriangleMesh& mesh, const Facet& facet,

@@ -24,8 +24,12 @@ class FacetIds {
   // All kNone.
   // \param num_facets  above all indices
   FacetIds(size_t size, size_t num_facets)
-      : none_(num_facets < 0xFFFFFF ? 0xFFFFFF : kNone),
+      : none_(BytesOfOne(num_facets) == 3 ? 0xFFFFFF : kNone),
         bytes_(BytesOfOne() * size + 1, 0xFF) {}  // [] reads four bytes
+
+  static size_t BytesOfOne(size_t num_facets) {
+    return num_facets < 0xFFFFFF ? 3 : 4;
+  }
 
   size_t size() const { return bytes_.size() / BytesOfOne(); }
   size_t BytesOfOne() const { return none_ == kNone ? 4 : 3; }
@@ -55,14 +59,10 @@ class FacetIds {
 struct FacetIdBuffer {
   int width = 0;                   // px
   int height = 0;                  // px
+  double min_cosine = 0;           // see IsFacing()
   FacetIds facets;                 // [height * width] or kNone
   std::vector<bool> is_masked;     // [height * width], see EraseMasked(), or
                                    // empty: none is
-  std::vector<bool> is_facing;     // [F] of those drawn, whether the cosine
-                                   // between the normal and the ray to the
-                                   // camera is above min_cosine, or 0 for
-                                   // those of `clipped`; false outside the
-                                   // image and kImageMargin around it
   std::vector<uint32_t> clipped;   // see FindClippedFacets()
   std::vector<FacetRange> ranges;  // the facets that were drawn, ascending:
                                    // of the others IsNearest() is false
@@ -85,7 +85,7 @@ struct DrawnFacets : FacetIdBuffer {
 // that reach behind the camera the part before it is drawn. Runs of facets that
 // the view cannot show, outside its frustum or behind others, are passed over.
 // \param clusters  of the mesh.
-// \param min_cosine  see FacetIdBuffer::is_facing; in [0, 1).
+// \param min_cosine  see IsFacing(); in [0, 1).
 DrawnFacets DrawFacets(const View& view, const TriangleMesh& mesh,
                        const FacetClusters& clusters, double min_cosine);
 
@@ -124,6 +124,11 @@ DrawnDepth DepthOf(const View& view, const TriangleMesh& mesh,
 // \pre as above
 bool IsNearer(const View& view, const TriangleMesh& mesh, const Facet& facet,
               int row, int col, double inverse_depth);
+
+// Whether the cosine between a drawn facet's normal and the ray to the camera
+// is above min_cosine, or 0 for those of `clipped`.
+bool IsFacing(const View& view, const TriangleMesh& mesh,
+              const FacetIdBuffer& drawn, uint32_t facet);
 
 // Pixels: one for the way from a point to its pixel's centre, and one more as a
 // neighbor that is drawn there may be steeper.

@@ -73,7 +73,6 @@ std::vector<uint32_t> FindVisible(const FacetParts& parts,
   const View& view = buffers.Views()[index];
   const auto buffer = buffers.Get(index);
   const FacetIdBuffer& drawn = *buffer;
-  const bool are_drawn = parts.drawn_facets == nullptr;
   const Eigen::Vector3d center = view.Center();
   std::vector<uint32_t> visible;
   for (const FacetRange& range : drawn.ranges) {
@@ -82,11 +81,8 @@ std::vector<uint32_t> FindVisible(const FacetParts& parts,
       const uint32_t drawn_facet = parts.DrawnFacet(i);
       const bool is_part =
           std::ranges::binary_search(drawn.clipped, drawn_facet);
-      const bool is_facing =
-          are_drawn ? drawn.is_facing[i]
-                    : IsFacing(parts.mesh, parts.mesh.facets[i], center,
-                               is_part ? 0 : buffers.MinCosine());
-      if (is_facing &&
+      if (IsFacing(parts.mesh, parts.mesh.facets[i], center,
+                   is_part ? 0 : buffers.MinCosine()) &&
           IsVisible(parts, i, is_part, view, buffers.Mesh(), drawn)) {
         visible.push_back(i);
       }
@@ -212,11 +208,10 @@ void VisibilityBuffers::DrawAhead() const {
   tbb::parallel_for(size_t{0}, num_views, [&](size_t view) { Get(view); });
 }
 
-// Of a FacetIdBuffer: the facets of pixels, a bit a facet.
+// Of the facets of pixels.
 size_t VisibilityBuffers::Memory(size_t view) const {
-  const size_t num_bytes = FacetIds(0, mesh_.facets.size()).BytesOfOne();
-  return num_bytes * views_[view].width * views_[view].height +
-         mesh_.facets.size() / 8;
+  return FacetIds::BytesOfOne(mesh_.facets.size()) * views_[view].width *
+         views_[view].height;
 }
 
 FacetVisibility FindVisibleFacets(const VisibilityBuffers& buffers) {

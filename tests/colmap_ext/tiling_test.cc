@@ -280,7 +280,7 @@ TEST_F(TilingTest, RefusesDamagedAndOtherPlans) {
   const std::string version = "\"version\": ";
   other_version.insert(other_version.find(version) + version.size(), "7");
   WriteFile(plan_ / "plan.json", other_version);
-  ExpectRefusal(MakeTile(0), "has the version 77");
+  ExpectRefusal(MakeTile(0), "has the version 78");
   WriteFile(plan_ / "plan.json", json.substr(0, json.size() / 2));
   ExpectRefusal(MakeTile(0), "damaged");
 }

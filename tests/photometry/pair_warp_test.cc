@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -229,17 +230,26 @@ TEST(PairWarp, LeavesOutSaturatedPixels) {
 TEST(PairWarp, IsNotValidOnFacetsThatTurnAway) {
   WarpScene scene = MakeScene();
   const Warped before = Compute(scene, 0, 1);
-  const uint32_t facet = before.geometry.facets[before.tile.Index(90, 90)];
-  ASSERT_NE(facet, kNone);
   for (const int view : {0, 1}) {
-    scene.drawn[view].is_facing[facet] = false;
-    const Warped after = Compute(scene, 0, 1);
-    scene.drawn[view].is_facing[facet] = true;
-    for (size_t at = 0; at < after.tile.image.size(); ++at) {
-      EXPECT_EQ(after.geometry.facets[at], before.geometry.facets[at] == facet
-                                               ? kNone
-                                               : before.geometry.facets[at]);
+    size_t num_left = 0;
+    size_t num_lost = 0;
+    for (const double min_cosine : {0.8, 0.9, 0.95, 0.98, 0.99}) {
+      const double usual =
+          std::exchange(scene.drawn[view].min_cosine, min_cosine);
+      const Warped after = Compute(scene, 0, 1);
+      for (size_t at = 0; at < after.tile.image.size(); ++at) {
+        const uint32_t shown = before.geometry.facets[at];
+        const bool is_left =
+            shown != kNone &&
+            IsFacing(scene.views[view], scene.mesh, scene.drawn[view], shown);
+        EXPECT_EQ(after.geometry.facets[at], is_left ? shown : kNone);
+        num_left += is_left ? 1 : 0;
+        num_lost += shown != kNone && !is_left ? 1 : 0;
+      }
+      scene.drawn[view].min_cosine = usual;
     }
+    EXPECT_GT(num_left, 1000);
+    EXPECT_GT(num_lost, 1000);
   }
 }
 

@@ -55,13 +55,6 @@ DrawnFacets ExpectAllIsDrawn(const View& view, const TriangleMesh& mesh,
   }
   std::ranges::sort(clipped);
   EXPECT_EQ(drawn.clipped, clipped);
-  std::vector<bool> is_facing(order.size());
-  for (size_t i = 0; i < order.size(); ++i) {
-    is_facing[order[i]] = all.is_facing[i];
-  }
-  ForEachFacet(drawn.ranges, [&](uint32_t facet) {
-    EXPECT_EQ(drawn.is_facing[facet], is_facing[facet]);
-  });
   return drawn;
 }
 

@@ -133,7 +133,7 @@ TEST(DrawFacets, ShowsWhatRaysMeetFirstAlsoOfARoom) {
     EXPECT_GT(drawn.clipped.size(), 0);
     EXPECT_EQ(drawn.clipped, FindClippedFacets(view, MakeRoom(), drawn.ranges));
     for (const uint32_t facet : drawn.clipped) {
-      EXPECT_TRUE(drawn.is_facing[facet]);
+      EXPECT_TRUE(IsFacing(view, MakeRoom(), drawn, facet));
     }
   }
 }
@@ -169,7 +169,8 @@ TEST(DrawFacets, LetsTheNearestWinInWhateverOrderAndOfEqualsTheFirst) {
                 expected.facets[i]);
     }
     for (size_t i = 0; i < order.size(); ++i) {
-      EXPECT_EQ(drawn.is_facing[i], expected.is_facing[order[i]]);
+      EXPECT_EQ(IsFacing(view, shuffled, drawn, i),
+                IsFacing(view, mesh, expected, order[i]));
     }
   }
   TriangleMesh twice = mesh;
@@ -247,7 +248,8 @@ TEST(DrawFacets, ShowsBothSidesButOneFaces) {
   EXPECT_EQ(front.inverse_depths, back.inverse_depths);
   for (const uint32_t facet : ShownFacets(front)) {
     if (facet != kNone) {
-      EXPECT_NE(front.is_facing[facet], back.is_facing[facet]);
+      EXPECT_NE(IsFacing(StraightView(), mesh, front, facet),
+                IsFacing(StraightView(), turned, back, facet));
     }
   }
 }
@@ -262,10 +264,14 @@ TEST(DrawFacets, TellsWhichFaceTheCameraEnough) {
                 return Eigen::AngleAxisf(turn, Vector3f::UnitX()) * corner +
                        Vector3f(0, 0, 9);
               });
-    EXPECT_EQ(DrawFacets(StraightView(), mesh, 0.5).is_facing[0], degrees < 60);
-    EXPECT_TRUE(DrawFacets(StraightView(), mesh, 0).is_facing[0]);
+    const auto is_facing = [&](double min_cosine) {
+      return IsFacing(StraightView(), mesh,
+                      DrawFacets(StraightView(), mesh, min_cosine), 0);
+    };
+    EXPECT_EQ(is_facing(0.5), degrees < 60);
+    EXPECT_TRUE(is_facing(0));
     mesh.facets = {{0, 2, 1}};
-    EXPECT_FALSE(DrawFacets(StraightView(), mesh, 0).is_facing[0]);
+    EXPECT_FALSE(is_facing(0));
   }
 }
 
@@ -273,12 +279,12 @@ TEST(DrawFacets, ShowsNothingBehindTheCamera) {
   Random random(6);
   const TriangleMesh mesh = RandomTriangles(10, &random);
   const DrawnFacets front = DrawFacets(StraightView(), mesh, 0);
-  EXPECT_GT(std::ranges::count(front.is_facing, true), 0);
+  EXPECT_NE(ShownFacets(front),
+            std::vector<uint32_t>(front.facets.size(), kNone));
   // The same through the camera's center.
   const DrawnFacets drawn = DrawFacets(StraightView(), Scaled(mesh, -1), 0);
   EXPECT_EQ(ShownFacets(drawn),
             std::vector<uint32_t>(drawn.facets.size(), kNone));
-  EXPECT_EQ(drawn.is_facing, std::vector<bool>(mesh.facets.size(), false));
   EXPECT_TRUE(drawn.clipped.empty());
 }
 
@@ -304,7 +310,6 @@ TEST(DrawFacets, ShowsNothingOfWhatHasNoAreaOrLiesBesideTheImage) {
   for (const TriangleMesh& mesh : {line, beside, TriangleMesh()}) {
     const DrawnFacets drawn = DrawFacets(StraightView(), mesh, 0);
     EXPECT_EQ(ShownFacets(drawn), std::vector<uint32_t>(64 * 48, kNone));
-    EXPECT_EQ(drawn.is_facing.size(), mesh.facets.size());
   }
 }
 
@@ -313,9 +318,15 @@ TEST(DrawFacets, DoesNotDependOnTheScale) {
   View view = LookAt({1, 2, -3}, {0.1, 0, 0}, 60, 50, 70);
   const DrawnFacets expected = DrawFacets(view, mesh, 0.1);
   view.cam_from_world_translation *= 1024;
-  DrawnFacets drawn = DrawFacets(view, Scaled(mesh, 1024), 0.1);
+  const TriangleMesh scaled = Scaled(mesh, 1024);
+  DrawnFacets drawn = DrawFacets(view, scaled, 0.1);
   EXPECT_EQ(drawn.facets, expected.facets);
-  EXPECT_EQ(drawn.is_facing, expected.is_facing);
+  for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
+    View unscaled = view;
+    unscaled.cam_from_world_translation /= 1024;
+    EXPECT_EQ(IsFacing(view, scaled, drawn, i),
+              IsFacing(unscaled, mesh, expected, i));
+  }
   for (float& inverse_depth : drawn.inverse_depths) {
     inverse_depth *= 1024;
   }

@@ -191,7 +191,7 @@ TEST(VisibilityBuffers, AreThoseOfDrawFacets) {
       const DrawnFacets expected = DrawFacets(SmallViews()[i % 3], mesh, 0.1);
       const auto drawn = buffers.Get(i % 3);
       EXPECT_EQ(drawn->facets, expected.facets);
-      EXPECT_EQ(drawn->is_facing, expected.is_facing);
+      EXPECT_EQ(drawn->min_cosine, expected.min_cosine);
     });
   }
 }
