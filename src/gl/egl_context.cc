@@ -5,7 +5,6 @@
 #include <cctype>
 #include <filesystem>
 #include <map>
-#include <utility>
 #include <vector>
 
 #define EGL_NO_X11
@@ -17,12 +16,6 @@
 
 namespace colmap_ext {
 namespace {
-
-#ifdef NDEBUG
-constexpr bool kIsDebug = false;
-#else
-constexpr bool kIsDebug = true;
-#endif
 
 bool IsInstalled(const char* library) {
   return dlopen(library, RTLD_LAZY | RTLD_LOCAL) != nullptr;  // Kept open.
@@ -67,15 +60,13 @@ std::vector<EGLDeviceEXT> GraphicsCards() {
 // A context that reports resets of the graphics card, if supported: otherwise
 // drivers may end the program.
 EGLContext CreateContext(EGLDisplay display) {
-  std::array<EGLint, 11> attributes = {
+  std::array<EGLint, 9> attributes = {
       EGL_CONTEXT_MAJOR_VERSION,
       4,
       EGL_CONTEXT_MINOR_VERSION,
       5,
       EGL_CONTEXT_OPENGL_PROFILE_MASK,
       EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-      EGL_CONTEXT_OPENGL_DEBUG,
-      kIsDebug ? EGL_TRUE : EGL_FALSE,
       EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY,
       EGL_LOSE_CONTEXT_ON_RESET,
       EGL_NONE};
@@ -85,7 +76,7 @@ EGLContext CreateContext(EGLDisplay display) {
   if (context != EGL_NO_CONTEXT) {
     return context;
   }
-  attributes[8] = EGL_NONE;
+  attributes[6] = EGL_NONE;
   return eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT,
                           attributes.data());
 }
@@ -108,32 +99,6 @@ size_t FreeMemory() {
     glGetIntegerv(GL_TEXTURE_FREE_MEMORY_ATI, kilobytes.data());
   }
   return kilobytes[0] > 0 ? size_t{1024} * kilobytes[0] : SIZE_MAX;
-}
-
-// The first message since the last ThrowOnGlError(). Debug output is
-// synchronous: what the thread's own calls lead to.
-thread_local std::string pending_message;
-
-// Exceptions must not cross the driver, so that messages wait for
-// ThrowOnGlError().
-void KeepErrors(GLenum source, GLenum type, GLuint /*id*/, GLenum /*severity*/,
-                GLsizei length, const GLchar* text,
-                const void* /*user*/) noexcept {
-  const bool is_error =
-      type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR;
-  // Compiler messages are read from the info logs of the shaders.
-  const bool is_compiler = source == GL_DEBUG_SOURCE_SHADER_COMPILER;
-  if (is_error && !is_compiler && pending_message.empty()) {
-    pending_message.assign(text, length);
-  }
-}
-
-// \pre the current context is a debug context
-void EnableDebugOutput() {
-  glEnable(GL_DEBUG_OUTPUT);
-  glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
-  glDebugMessageCallback(KeepErrors, nullptr);
-  pending_message.clear();
 }
 
 std::string ErrorName(GLenum error) {
@@ -170,9 +135,6 @@ std::string EglContext::TryPlatform(unsigned int platform, void* native) {
   }
   try {
     const Scope scope = MakeCurrent();
-    if (kIsDebug) {
-      EnableDebugOutput();
-    }
     renderer_name_ = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     is_software_ = IsSoftwareRenderer(renderer_name_);
   } catch (const GlError& error) {
@@ -267,12 +229,8 @@ void ThrowOnGlError(const char* where) {
       throw GlError(std::string(where) + ": the graphics card was reset");
     }
   }
-  std::string message = std::exchange(pending_message, {});
-  if (message.empty() && first != GL_NO_ERROR) {
-    message = ErrorName(first);
-  }
-  if (!message.empty()) {
-    throw GlError(std::string(where) + ": OpenGL: " + message);
+  if (first != GL_NO_ERROR) {
+    throw GlError(std::string(where) + ": OpenGL: " + ErrorName(first));
   }
 }
 

@@ -18,8 +18,8 @@ class NoGlError : public GlError {
   using GlError::GlError;
 };
 
-// Throws if OpenGL has reported an error since the last call: with its message
-// in debug builds, else with the error's code.
+// Throws if OpenGL has reported an error since the last call. Which call it was
+// says Mesa, with MESA_DEBUG=1 in the environment.
 // \param where  for the message
 // \throw GlError
 void ThrowOnGlError(const char* where);
