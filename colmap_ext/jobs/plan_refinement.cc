@@ -274,7 +274,7 @@ RefinedMesh MergeRefined(const fs::path& folder, const Progress& progress) {
   for (const View& view : refinement.views) {
     refined.views.push_back(ViewAtScale(view, options.image_scale));
   }
-  FinishRefinement(options.refinement, progress, &refined);
+  FinishRefinement(options.refinement, progress, {}, &refined);
   return refined;
 }
 

@@ -16,75 +16,47 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using WarnFunction = std::function<void(const std::string& warning)>;
-
-bool HasGraphicsCard(int gpu_index) {
-  try {
-    return MayHaveGraphicsCard() && !EglContext(gpu_index).IsSoftware();
-  } catch (const NoGlError&) {
-    return false;
-  }
-}
-
-std::unique_ptr<PhotometricEnergy> MakeGl(const RefinerOptions& options,
-                                          const RefinementInput& input,
-                                          WarnFunction warn) {
-  // Both directions of the first labels, one of the final ones.
-  const FacetLabelingOptions& labeling = options.refinement.labeling;
-  const int num_directions =
-      std::max(2 * labeling.pairs_per_facet, labeling.final_pairs_per_facet);
-  return MakeGlPhotometricEnergy(options.refinement.photometric, input.images,
-                                 {options.gpu_index,
-                                  input.MaxDrawingMemory(),
-                                  {},
-                                  static_cast<size_t>(input.expected.facets),
-                                  static_cast<size_t>(num_directions),
-                                  std::move(warn)});
-}
-
-// What computes the energy.
-struct RefinementBackend {
-  std::unique_ptr<PhotometricEnergy> energy;
-  const char* reason = "";  // why it was taken, for Backend::kAuto
-};
-
 // By options.backend. Where the choice is free, OpenGL in software is not
 // taken: the processor is faster without it. Where the graphics card fails
 // later, the processor takes over.
+// \param has_card  see HasGraphicsCard(); false for Backend::kCpu
 // \param warn  called with lines for the user, now and as long as the energy
 //        lives.
 // \throw OptionError if OpenGL is asked for, and is not to be had.
-RefinementBackend MakeBackend(const RefinerOptions& options,
-                              const RefinementInput& input,
-                              const WarnFunction& warn) {
-  const auto make_cpu = [&] {
-    return MakeCpuPhotometricEnergy(options.refinement.photometric,
-                                    input.images, input.MaxDrawingMemory());
-  };
-  if (options.backend == Backend::kCpu) {
-    return {make_cpu()};
-  }
-  const bool has_card = HasGraphicsCard(options.gpu_index);
+std::unique_ptr<PhotometricEnergy> MakeEnergy(
+    const RefinerOptions& options, const RefinementInput& input, bool has_card,
+    const std::function<void(const std::string&)>& warn) {
+  const FacetLabelingOptions& labeling = options.refinement.labeling;
+  const bool is_wanted = options.backend == Backend::kGl;
   try {
-    if (options.backend == Backend::kGl || has_card) {
-      RefinementBackend backend{MakeGl(options, input, warn)};
+    if (is_wanted || has_card) {
+      auto energy = MakeGlPhotometricEnergy(
+          options.refinement.photometric, input.images,
+          {options.gpu_index,
+           input.MaxDrawingMemory(),
+           {},
+           static_cast<size_t>(input.expected.facets),
+           // Both directions of the first labels, one of the final ones.
+           static_cast<size_t>(std::max(2 * labeling.pairs_per_facet,
+                                        labeling.final_pairs_per_facet)),
+           warn});
       if (!has_card) {
         warn(
             "OpenGL is drawn by software here, which is slower than "
             "--FacetwiseRefinement.backend cpu");
       }
-      return backend;
+      return energy;
     }
   } catch (const GlError& error) {
-    if (options.backend == Backend::kGl) {
+    if (is_wanted) {
       throw OptionError(std::string(error.what()) +
                         "; --FacetwiseRefinement.backend cpu needs none");
     }
     warn(std::string("the graphics card cannot be used (") + error.what() +
          "); the processor computes all");
   }
-  return {make_cpu(),
-          has_card ? "" : "; there is no graphics card with OpenGL"};
+  return MakeCpuPhotometricEnergy(options.refinement.photometric, input.images,
+                                  input.MaxDrawingMemory());
 }
 
 JobFile StateFile(const fs::path& output) {
@@ -223,13 +195,19 @@ void ResumableRefinement::Resume(RefinementInput* input) {
 }
 
 RefinedMesh ResumableRefinement::Run(RefinementInput* input) {
-  const RefinementBackend backend =
-      MakeBackend(options_, *input, [this](const std::string& warning) {
+  const bool has_card =
+      options_.backend != Backend::kCpu && HasGraphicsCard(options_.gpu_index);
+  const std::unique_ptr<PhotometricEnergy> energy = MakeEnergy(
+      options_, *input, has_card, [this](const std::string& warning) {
         console_.reporter.Finish();
         PrintWarning(warning, &console_.log);
       });
-  PrintText("computed by", backend.energy->Description() + backend.reason,
-            &console_.log);
+  PrintText(
+      "computed by",
+      energy->Description() + (options_.backend == Backend::kAuto && !has_card
+                                   ? "; there is no graphics card with OpenGL"
+                                   : ""),
+      &console_.log);
   std::cout << std::endl;
   const StopSignal stop_signal;
   RefinementHooks hooks;
@@ -258,7 +236,7 @@ RefinedMesh ResumableRefinement::Run(RefinementInput* input) {
       {std::move(surface), (level_ > 0 ? level_ : method.levels) - 1,
        input->has_fused_points, std::move(input->cameras), alignment_,
        input->is_part},
-      input->views, input->points, backend.energy.get(), hooks);
+      input->views, input->points, energy.get(), hooks);
   signal_ = StopSignal::Received();
   refined.report = WithEarlier(std::move(refined.report));
   return refined;

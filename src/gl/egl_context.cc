@@ -199,10 +199,15 @@ EglContext::Scope::~Scope() {
                  EGL_NO_SURFACE, previous_context_);
 }
 
-bool MayHaveGraphicsCard() {
-  return std::filesystem::exists("/dev/dri") ||
-         std::filesystem::exists("/dev/dxg") ||  // of WSL
-         (IsInstalled("libEGL.so.1") && !GraphicsCards().empty());
+bool HasGraphicsCard(int gpu_index) {
+  try {
+    CheckLibraries();
+    return (!GraphicsCards().empty() || std::filesystem::exists("/dev/dri") ||
+            std::filesystem::exists("/dev/dxg")) &&  // of WSL
+           !EglContext(gpu_index).IsSoftware();
+  } catch (const NoGlError&) {
+    return false;
+  }
 }
 
 GlLimits FindGlLimits(const GlLimits& at_most, bool is_software) {

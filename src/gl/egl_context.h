@@ -72,10 +72,9 @@ class EglContext {
   bool is_software_ = false;
 };
 
-// Whether OpenGL can be more than software here: EGL lists a graphics card, or
-// the system has a device of one. Unlike a context, this does not load Mesa's
-// drivers, which take 60 MB.
-bool MayHaveGraphicsCard();
+// Whether there is a graphics card with OpenGL. Where neither EGL nor the
+// system lists one, Mesa's drivers are not loaded, which take 60 MB.
+bool HasGraphicsCard(int gpu_index);
 
 // Limits of a graphics card.
 struct GlLimits {

@@ -82,7 +82,7 @@ std::vector<uint32_t> FindVisible(const FacetParts& parts,
       const bool is_part =
           std::ranges::binary_search(drawn.clipped, drawn_facet);
       if (IsFacing(parts.mesh, parts.mesh.facets[i], center,
-                   is_part ? 0 : buffers.MinCosine()) &&
+                   is_part ? 0 : drawn.min_cosine) &&
           IsVisible(parts, i, is_part, view, buffers.Mesh(), drawn)) {
         visible.push_back(i);
       }
@@ -208,7 +208,6 @@ void VisibilityBuffers::DrawAhead() const {
   tbb::parallel_for(size_t{0}, num_views, [&](size_t view) { Get(view); });
 }
 
-// Of the facets of pixels.
 size_t VisibilityBuffers::Memory(size_t view) const {
   return FacetIds::BytesOfOne(mesh_.facets.size()) * views_[view].width *
          views_[view].height;

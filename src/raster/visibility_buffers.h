@@ -35,8 +35,6 @@ class VisibilityBuffers {
   const TriangleMesh& Mesh() const { return mesh_; }
   const std::vector<View>& Views() const { return views_; }
 
-  double MinCosine() const { return min_cosine_; }
-
   // \param view  index into Views().
   std::shared_ptr<const FacetIdBuffer> Get(size_t view) const;
 

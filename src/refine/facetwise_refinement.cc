@@ -51,7 +51,10 @@ class Refinement {
       }
     }
     if (!is_part) {
-      FinishRefinement(options_, hooks_.progress, &state_);
+      energy_->SetLevel(0);
+      energy_->SetViews(state_.views);
+      FinishRefinement(options_, hooks_.progress,
+                       FrontShares(*energy_->Visibility(state_.mesh)), &state_);
     }
     return std::move(state_);
   }

@@ -218,8 +218,11 @@ bool RemoveSelfIntersections(const Progress& progress, RefinedMesh* state);
 // What follows the last level: the borders are trimmed and closed, what lies
 // outside of the region is cut off, self-intersections are repaired. Of a mesh
 // that was not refined (RefinementReport::is_skipped) only the second.
+// \param front_shares [F] see TrimMesh()
 // \throw std::invalid_argument if the trimming or the region leaves nothing.
 void FinishRefinement(const FacetwiseRefinementOptions& options,
-                      const Progress& progress, RefinedMesh* refined);
+                      const Progress& progress,
+                      const std::vector<float>& front_shares,
+                      RefinedMesh* refined);
 
 }  // namespace colmap_ext

@@ -65,7 +65,9 @@ bool RemoveSelfIntersections(const Progress& progress, RefinedMesh* state) {
 }
 
 void FinishRefinement(const FacetwiseRefinementOptions& options,
-                      const Progress& progress, RefinedMesh* refined) {
+                      const Progress& progress,
+                      const std::vector<float>& front_shares,
+                      RefinedMesh* refined) {
   RefinementReport& report = refined->report;
   if (report.is_skipped) {
     CountSelfIntersections(progress, refined);
@@ -74,7 +76,7 @@ void FinishRefinement(const FacetwiseRefinementOptions& options,
     const Provenance from = TrimAndCloseHoles(
         options.borders,
         MeanOfCorners(refined->mesh.facets, refined->attributes.confidences),
-        refined->views, refined, &report.borders);
+        refined->views, refined, &report.borders, front_shares);
     refined->labels = refined->labels.Remapped(from.facets);
     RemoveSelfIntersections(progress, refined);
     report.num_removed_self_intersections += report.num_self_intersections;

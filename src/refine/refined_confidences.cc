@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 #include <Eigen/Core>
 
+#include "base/indices.h"
 #include "mesh/confidences.h"
 #include "mesh/mesh_in_image.h"
 #include "refine/smoothness_model.h"
@@ -118,6 +120,23 @@ std::vector<float> RefinedConfidences(const TriangleMesh& mesh,
     }
   }
   return confidences;
+}
+
+std::vector<float> FrontShares(const VisibilityBuffers& buffers) {
+  TriangleMesh turned = buffers.Mesh();
+  for (Facet& facet : turned.facets) {
+    std::swap(facet[1], facet[2]);
+  }
+  const FacetVisibility fronts = FindVisibleFacets(buffers);
+  const FacetVisibility backs =
+      FindVisibleParts(buffers, turned, Iota(turned.facets.size()));
+  std::vector<float> shares(turned.facets.size(), 1);
+  for (size_t i = 0; i < shares.size(); ++i) {
+    const auto f = static_cast<float>(fronts[i].size());
+    const auto b = static_cast<float>(backs[i].size());
+    shares[i] = b > 0 ? std::max(0.0F, (f - b) / (f + b)) : 1;
+  }
+  return shares;
 }
 
 }  // namespace colmap_ext

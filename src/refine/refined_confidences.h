@@ -7,6 +7,7 @@
 #include "mesh/adjacency.h"
 #include "mesh/triangle_mesh.h"
 #include "photometry/photometric_energy.h"
+#include "raster/visibility_buffers.h"
 #include "scene/point_cloud.h"
 #include "scene/view.h"
 
@@ -52,5 +53,10 @@ std::vector<float> RefinedConfidences(const TriangleMesh& mesh,
                                       const PhotometricTerms& terms,
                                       const PhotometricOptions& options,
                                       const std::vector<float>& before);
+
+// [F] by how much the views that see each facet from the front outweigh those
+// that see it from behind, as they never see a body: max(0, (f - b) / (f + b))
+// of f and b views; 1 where none sees it.
+std::vector<float> FrontShares(const VisibilityBuffers& buffers);
 
 }  // namespace colmap_ext

@@ -114,7 +114,8 @@ void SmoothBorders(const std::vector<uint8_t>& is_moved, TriangleMesh* mesh) {
 Provenance TrimAndCloseHoles(const BorderOptions& options,
                              const std::vector<float>& facet_confidences,
                              const std::vector<View>& views, Surface* surface,
-                             BorderReport* report) {
+                             BorderReport* report,
+                             const std::vector<float>& front_shares) {
   Provenance from = IdentityOf(surface->mesh);
   if (options.trim > 0) {
     std::vector<float> gap_widths =
@@ -122,8 +123,8 @@ Provenance TrimAndCloseHoles(const BorderOptions& options,
     for (float& width : gap_widths) {
       width *= static_cast<float>(options.gap_pixels);
     }
-    TrimmedMesh trimmed =
-        TrimMesh(options.trim, surface->mesh, facet_confidences, gap_widths);
+    TrimmedMesh trimmed = TrimMesh(options.trim, surface->mesh,
+                                   facet_confidences, gap_widths, front_shares);
     if (!trimmed.mesh.facets.empty()) {
       report->trim = trimmed.report;
       from = trimmed.from;

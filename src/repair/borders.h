@@ -33,17 +33,19 @@ struct TrimmedMesh : DerivedMesh {  // manifold, its facets in their order
 // kept, see KeepContinuations(). Pieces that this cuts off and that lie within
 // the gap width of their own border are dropped, too, and so are pieces smaller
 // than a disk of the gap width, but for the largest; facets count with the
-// squares of their confidences. The borders that this opens are smoothed along
-// themselves; no other vertex moves. Where nothing is dropped the mesh is not
-// changed.
+// squares of their confidences, or of front_shares of these. The borders that
+// this opens are smoothed along themselves; no other vertex moves. Where
+// nothing is dropped the mesh is not changed.
 //
 // \param min_confidence  0: drops nothing
 // \param facet_confidences [F] in [0, 1]
 // \param gap_widths [V] scene units, not negative
+// \param front_shares [F] in [0, 1], see FrontShares(), or empty: 1
 // \pre the mesh is manifold
 TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
                      const std::vector<float>& facet_confidences,
-                     const std::vector<float>& gap_widths);
+                     const std::vector<float>& gap_widths,
+                     const std::vector<float>& front_shares = {});
 
 inline constexpr double kAllLoops = -1;
 
@@ -111,6 +113,7 @@ struct BorderReport {
 // Trims a surface, then closes its holes.
 // \param facet_confidences [F] in [0, 1]
 // \param views  that the surface's attributes name
+// \param front_shares  see TrimMesh()
 // \return what it comes from
 // \pre the mesh is manifold, options in their ranges
 // \throw std::invalid_argument if the trimming leaves nothing, unless it is
@@ -118,6 +121,7 @@ struct BorderReport {
 Provenance TrimAndCloseHoles(const BorderOptions& options,
                              const std::vector<float>& facet_confidences,
                              const std::vector<View>& views, Surface* surface,
-                             BorderReport* report);
+                             BorderReport* report,
+                             const std::vector<float>& front_shares = {});
 
 }  // namespace colmap_ext

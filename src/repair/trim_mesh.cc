@@ -96,10 +96,9 @@ std::vector<uint8_t> FindDropped(const LinkedMesh& surface,
 
 // Of what is left, drops the small pieces and those that were cut off and lie
 // within a gap's width of their border, too. The less confident a piece is, the
-// larger it has to be: facets count with the squares of their confidences, so
-// that fragments of foliage go.
-void AddLeftovers(const LinkedMesh& surface,
-                  const std::vector<float>& confidences,
+// larger it has to be: facets count with the squares of their weights, so that
+// fragments of foliage go.
+void AddLeftovers(const LinkedMesh& surface, const std::vector<float>& weights,
                   std::vector<uint8_t>* is_dropped) {
   const std::vector<Facet>& facets = surface.mesh.facets;
   UnionFind pieces = JoinFacets(surface.partners, *is_dropped);
@@ -126,7 +125,7 @@ void AddLeftovers(const LinkedMesh& surface,
     is_wide[piece] |= !IsReached(distances, facets[i]);
     const Eigen::Vector3f area = AreaVector(surface.mesh, facets[i]) / 2;
     sizes[piece] +=
-        (area / widths[i] / widths[i]).norm() * confidences[i] * confidences[i];
+        (area / widths[i] / widths[i]).norm() * weights[i] * weights[i];
     largest = std::max(largest, sizes[piece]);
   }
   const double min_size = std::min(std::numbers::pi, largest);  // of a disk
@@ -170,7 +169,8 @@ void Drop(const LinkedMesh& surface, const std::vector<uint8_t>& is_dropped,
 
 TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
                      const std::vector<float>& facet_confidences,
-                     const std::vector<float>& gap_widths) {
+                     const std::vector<float>& gap_widths,
+                     const std::vector<float>& front_shares) {
   Provenance from = IdentityOf(mesh);
   TrimmedMesh trimmed{{std::move(mesh), std::move(from)}, {}};
   if (!(min_confidence > 0)) {
@@ -184,7 +184,11 @@ TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
                          [=](float value) { return value < min_confidence; });
   std::vector<uint8_t> is_dropped = FindDropped(surface, is_low);
   KeepContinuations(surface.mesh, surface.partners, &is_dropped);
-  AddLeftovers(surface, facet_confidences, &is_dropped);
+  std::vector<float> weights = facet_confidences;
+  for (size_t i = 0; i < front_shares.size(); ++i) {
+    weights[i] *= front_shares[i];
+  }
+  AddLeftovers(surface, weights, &is_dropped);
   TrimReport& report = trimmed.report;
   for (size_t i = 0; i < is_low.size(); ++i) {
     report.num_facets += is_dropped[i];

@@ -394,7 +394,8 @@ TEST(FinishRefinement, RefusesRegionsThatLeaveNothing) {
   RefinedMesh refined;
   static_cast<Surface&>(refined) = StartOf(MakeCube());
   refined.report.is_skipped = true;
-  EXPECT_THROW(FinishRefinement(options, {}, &refined), std::invalid_argument);
+  EXPECT_THROW(FinishRefinement(options, {}, {}, &refined),
+               std::invalid_argument);
 }
 
 }  // namespace colmap_ext::facetwise_refinement_test

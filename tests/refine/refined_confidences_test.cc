@@ -1,6 +1,10 @@
 #include "refine/refined_confidences.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
@@ -196,6 +200,33 @@ TEST(RefinedConfidences, LiesWithinItsRange) {
     EXPECT_GE(confidence, 0);
     EXPECT_LE(confidence, 1);
   }
+}
+
+// Of a sheet of quads in the plane z = 0 that looks up.
+TEST(FrontShares, SayByHowMuchFrontsOutweighBacks) {
+  const TriangleMesh mesh = MakeSheet(4, 4);
+  const View above = LookAt({2, 2, 10}, {2, 2, 0}, 80, 60, 60);
+  const View aside = LookAt({4, 1, 10}, {2, 2, 0}, 80, 60, 60);
+  const View below = LookAt({1, 2, -10}, {2, 2, 0}, 80, 60, 60);
+  const std::vector<std::pair<std::vector<View>, float>> cases = {
+      {{}, 1},      {{above}, 1},        {{above, aside}, 1},
+      {{below}, 0}, {{above, below}, 0}, {{above, aside, below}, 1.0F / 3}};
+  for (const auto& [views, expected] : cases) {
+    for (const float share : FrontShares({mesh, views, 0.1, SIZE_MAX})) {
+      EXPECT_NEAR(share, expected, 1e-6F) << views.size();
+    }
+  }
+}
+
+// It is closed, and hides its own back, but for facets that views graze.
+TEST(FrontShares, AreOneOfABody) {
+  const TriangleMesh mesh = MakeBumpySphere(0.1F);
+  const std::vector<View> views = {LookAt({0, 0, 4}, {0, 0, 0}, 640, 480, 480),
+                                   LookAt({4, 0, 1}, {0, 0, 0}, 640, 480, 480)};
+  const std::vector<float> shares = FrontShares({mesh, views, 0.1, SIZE_MAX});
+  ASSERT_EQ(shares.size(), mesh.facets.size());
+  EXPECT_GT(std::ranges::count(shares, 1.0F),
+            0.95 * static_cast<double>(shares.size()));
 }
 
 }  // namespace colmap_ext::refined_confidences_test

@@ -223,6 +223,17 @@ TEST(TrimMesh, DropsSmallPiecesButTheLargest) {
             confidences.end(), 0.6f);
   EXPECT_EQ(Trim(mesh, confidences, 0.2f).mesh, mesh);
   EXPECT_EQ(Trim(mesh, confidences, 0.3f).mesh.facets.size(), num_facets);
+  // So it does where views see it from behind, too; nothing else is dropped.
+  const auto trim = [&](float gap_width) {
+    return TrimMesh(0.5, mesh, std::vector<float>(mesh.facets.size(), 1),
+                    std::vector<float>(mesh.vertices.size(), gap_width),
+                    /*front_shares=*/confidences)
+        .mesh;
+  };
+  EXPECT_EQ(trim(0.2f), mesh);
+  EXPECT_EQ(trim(0.3f).facets.size(), num_facets);
+  std::ranges::fill(confidences, 0.1f);
+  EXPECT_EQ(trim(0.1f).facets.size(), num_facets);
 }
 
 TEST(TrimMesh, DropsEverythingWhereNothingIsConfident) {
