@@ -18,8 +18,8 @@ class NoGlError : public GlError {
   using GlError::GlError;
 };
 
-// Throws if OpenGL has reported an error since the last call. Which call it was
-// says Mesa, with MESA_DEBUG=1 in the environment.
+// Throws if OpenGL has reported an error since the last call. With MESA_DEBUG=1
+// in the environment Mesa prints which function failed.
 // \param where  for the message
 // \throw GlError
 void ThrowOnGlError(const char* where);

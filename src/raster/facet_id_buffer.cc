@@ -379,13 +379,6 @@ DrawnDepth DepthOf(const View& view, const TriangleMesh& mesh,
           by_pixel.x(), 0, std::numeric_limits<double>::infinity()};
 }
 
-bool IsFacing(const View& view, const TriangleMesh& mesh,
-              const FacetIdBuffer& drawn, uint32_t facet) {
-  const bool is_clipped = std::ranges::binary_search(drawn.clipped, facet);
-  return IsFacing(mesh, mesh.facets[facet], view.Center(),
-                  is_clipped ? 0 : drawn.min_cosine);
-}
-
 bool IsNearer(const View& view, const TriangleMesh& mesh, const Facet& facet,
               int row, int col, double inverse_depth) {
   double nearest = std::numeric_limits<double>::infinity();

@@ -127,8 +127,12 @@ bool IsNearer(const View& view, const TriangleMesh& mesh, const Facet& facet,
 
 // Whether the cosine between a drawn facet's normal and the ray to the camera
 // is above min_cosine, or 0 for those of `clipped`.
-bool IsFacing(const View& view, const TriangleMesh& mesh,
-              const FacetIdBuffer& drawn, uint32_t facet);
+inline bool IsFacing(const View& view, const TriangleMesh& mesh,
+                     const FacetIdBuffer& drawn, uint32_t facet) {
+  const bool is_clipped = std::ranges::binary_search(drawn.clipped, facet);
+  return IsFacing(mesh, mesh.facets[facet], view.Center(),
+                  is_clipped ? 0 : drawn.min_cosine);
+}
 
 // Pixels: one for the way from a point to its pixel's centre, and one more as a
 // neighbor that is drawn there may be steeper.

@@ -51,10 +51,14 @@ class Refinement {
       }
     }
     if (!is_part) {
-      energy_->SetLevel(0);
-      energy_->SetViews(state_.views);
-      FinishRefinement(options_, hooks_.progress,
-                       FrontShares(*energy_->Visibility(state_.mesh)), &state_);
+      std::vector<float> front_shares;
+      if (options_.borders.trim > 0 && !state_.report.is_skipped) {
+        energy_->SetLevel(0);
+        energy_->SetViews(state_.views);
+        energy_->Visibility({});  // before others take memory
+        front_shares = FrontShares(*energy_->Visibility(state_.mesh));
+      }
+      FinishRefinement(options_, hooks_.progress, front_shares, &state_);
     }
     return std::move(state_);
   }

@@ -54,9 +54,8 @@ std::vector<float> RefinedConfidences(const TriangleMesh& mesh,
                                       const PhotometricOptions& options,
                                       const std::vector<float>& before);
 
-// [F] by how much the views that see each facet from the front outweigh those
-// that see it from behind, as they never see a body: max(0, (f - b) / (f + b))
-// of f and b views; 1 where none sees it.
+// Returns [F] max(0, (f - b) / (f + b)), where f views see a facet from the
+// front and b from behind, as they never see a solid object; 1 where none does.
 std::vector<float> FrontShares(const VisibilityBuffers& buffers);
 
 }  // namespace colmap_ext
