@@ -100,11 +100,12 @@ std::vector<double> LocalWeights(const VertexRings& rings,
                                  SmoothnessEvidence evidence, double weight) {
   // The global weight counts as much as this share of the evidence that a
   // vertex has on average.
-  constexpr double kPrior = 0.05;
-  // Of the global weight. Found by trial; tests/benchmarks/vary_constants.py
-  // tables what other values do.
-  constexpr double kMinFactor = 0.5;
-  constexpr double kMaxFactor = 16;
+  constexpr double kPrior = 0.002;
+  // Of the global weight. These and kEvidenceRounds were found by trial;
+  // tests/benchmarks/vary_constants.py tables what other values do.
+  constexpr double kMinFactor = 0.7;
+  constexpr double kMaxFactor = 256;
+  constexpr int kEvidenceRounds = 4;
   std::vector<double> weights(evidence.determined.size(), weight);
   const auto num_residuals = static_cast<double>(
       std::count_if(evidence.determined.begin(), evidence.determined.end(),
@@ -113,8 +114,8 @@ std::vector<double> LocalWeights(const VertexRings& rings,
   if (!(prior > 0)) {
     return weights;
   }
-  AverageOverSurroundings(rings, &evidence.determined);
-  AverageOverSurroundings(rings, &evidence.roughness);
+  AverageOverNeighbors(rings.neighbors, kEvidenceRounds, &evidence.determined);
+  AverageOverNeighbors(rings.neighbors, kEvidenceRounds, &evidence.roughness);
   for (size_t i = 0; i < weights.size(); ++i) {
     const double local = (std::max(evidence.determined[i], 0.0) + prior) /
                          (evidence.roughness[i] + prior / weight);

@@ -127,9 +127,8 @@ void NormalEquations::AddSmoothness() {
 }
 
 void NormalEquations::Multiply(const std::vector<double>& in,
-                               bool is_smoothness_only,
+                               bool is_photometric_only,
                                std::vector<double>* out) const {
-  const double share = is_smoothness_only ? 0 : 1;
   const tbb::blocked_range<size_t> all(0, in.size(), 4096);
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
     for (size_t i = range.begin(); i != range.end(); ++i) {
@@ -141,12 +140,13 @@ void NormalEquations::Multiply(const std::vector<double>& in,
         photometric += photometric_[row + k] * in[ring[k]];
         mean += outgoing_[row + k] * in[ring[k]];
       }
-      (*out)[i] = share * photometric;
+      (*out)[i] = photometric;
       weighted_changes_[i] = plate_.coefficients[i] * (mean - in[i]);
     }
   });
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
-    for (size_t i = range.begin(); i != range.end(); ++i) {
+    for (size_t i = range.begin(); i != range.end() && !is_photometric_only;
+         ++i) {
       const auto ring = domain_.rings.neighbors[i];
       const size_t row = domain_.rings.neighbors.offsets[i];
       double sum = -weighted_changes_[i];
@@ -176,8 +176,7 @@ std::vector<double> NormalEquations::Determined(
   Multiply(signs, true, &image);
   std::vector<double> determined = Solve(std::move(image), options);
   for (size_t i = 0; i < signs.size(); ++i) {
-    determined[i] =
-        plate_.coefficients[i] > 0 ? 1 - signs[i] * determined[i] : 0.0;
+    determined[i] = plate_.coefficients[i] > 0 ? signs[i] * determined[i] : 0;
   }
   ClearFixed(&determined);
   return determined;

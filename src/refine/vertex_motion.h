@@ -40,22 +40,21 @@ class NormalEquations {
 
   // The effective degrees of freedom: how far the images, rather than the
   // smoothness, determine where each vertex is: [V]. Their sum estimates how
-  // many vertices the images determine [MacKay1992]: their number minus the
-  // trace of matrix^-1 times the smoothness' part of the matrix, from one
-  // vector of random signs [Hutchinson1990]. Each by itself estimates its
-  // element of the diagonal, with much noise. 0 where a vertex has no
-  // smoothness.
+  // many vertices the images determine [MacKay1992]: the trace of matrix^-1
+  // times the photometric part of the matrix, from one vector of random signs
+  // [Hutchinson1990]. Each by itself estimates its element of the diagonal,
+  // with much noise. 0 where a vertex has no smoothness.
   std::vector<double> Determined(
-      const SolverOptions& options = kEarlyEnd) const;
+      const SolverOptions& options = {kSolverTolerance / 10, 300}) const;
 
  private:
   void AddPhotometric();
   void FindSmoothnessChanges();
   void AddSmoothness();
 
-  // out = matrix * in, all [V]; of the smoothness' part alone where
-  // `is_smoothness_only`.
-  void Multiply(const std::vector<double>& in, bool is_smoothness_only,
+  // out = matrix * in, all [V]; of the photometric part alone where
+  // `is_photometric_only`.
+  void Multiply(const std::vector<double>& in, bool is_photometric_only,
                 std::vector<double>* out) const;
 
   // matrix^-1 * right_hand_side
