@@ -103,10 +103,11 @@ struct SmoothnessEvidence {
 // evidence for alpha]. Infinite where nothing is rough.
 double GlobalWeight(const SmoothnessEvidence& evidence);
 
-// The same for the surroundings of each vertex, so that a plastered wall becomes
-// smooth although the cornice above it is not: [V]. Where the surroundings
-// determine next to nothing, the weight is the global one. It is never far
-// below that: badly matched images leave noise that looks like relief.
+// The same for the surroundings of each vertex, so that a plastered wall
+// becomes smooth although the cornice above it is not: [V]. Where the
+// surroundings determine next to nothing, the weight is the global one. It is
+// never far below that: badly matched images leave noise that looks like
+// relief.
 //
 // \param weight  the global one; positive.
 std::vector<double> LocalWeights(const VertexRings& rings,

@@ -44,8 +44,8 @@ class NormalEquations {
   // times the photometric part of the matrix, from one vector of random signs
   // [Hutchinson1990]. Each by itself estimates its element of the diagonal,
   // with much noise. 0 where a vertex has no smoothness.
-  std::vector<double> Determined(
-      const SolverOptions& options = {kSolverTolerance / 10, 300}) const;
+  std::vector<double> Determined(const SolverOptions& options = {
+                                     kSolverTolerance / 10, 300}) const;
 
  private:
   void AddPhotometric();
