@@ -144,9 +144,11 @@ void NormalEquations::Multiply(const std::vector<double>& in,
       weighted_changes_[i] = plate_.coefficients[i] * (mean - in[i]);
     }
   });
+  if (is_photometric_only) {
+    return ClearFixed(out);
+  }
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
-    for (size_t i = range.begin(); i != range.end() && !is_photometric_only;
-         ++i) {
+    for (size_t i = range.begin(); i != range.end(); ++i) {
       const auto ring = domain_.rings.neighbors[i];
       const size_t row = domain_.rings.neighbors.offsets[i];
       double sum = -weighted_changes_[i];
