@@ -83,9 +83,8 @@ std::vector<double> Roughness(const SmoothnessDomain& domain,
 
 void AverageOverSurroundings(const VertexRings& rings,
                              std::vector<double>* values) {
-  // A round spreads a value by 6/7 edge^2, over two axes. Large enough that the
-  // noise of one vertex's evidence averages out over some ten others, small
-  // enough that a plastered wall and the cornice above it stay apart.
+  // A round spreads a value by 6/7 edge^2, over two axes. Enough that the noise
+  // of a vertex averages out over dozens of others.
   constexpr int kRounds = 10;
   AverageOverNeighbors(rings.neighbors, kRounds, values);
 }
@@ -98,8 +97,7 @@ double GlobalWeight(const SmoothnessEvidence& evidence) {
 
 std::vector<double> LocalWeights(const VertexRings& rings,
                                  SmoothnessEvidence evidence, double weight) {
-  // The global weight counts as much as this share of the evidence that a
-  // vertex has on average.
+  // The global weight counts as this share of the mean evidence of a vertex.
   constexpr double kPrior = 0.002;
   // Of the global weight. These and kEvidenceRounds were found by trial;
   // tests/benchmarks/vary_constants.py tables what other values do.

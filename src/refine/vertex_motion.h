@@ -43,7 +43,8 @@ class NormalEquations {
   // many vertices the images determine [MacKay1992]: the trace of matrix^-1
   // times the photometric part of the matrix, from one vector of random signs
   // [Hutchinson1990]. Each by itself estimates its element of the diagonal,
-  // with much noise. 0 where a vertex has no smoothness.
+  // with much noise. 0 where a vertex has no smoothness. It needs a more exact
+  // solution than a step does, as next to nothing is determined of planes.
   std::vector<double> Determined(const SolverOptions& options = {
                                      kSolverTolerance / 10, 300}) const;
 
