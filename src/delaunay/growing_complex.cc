@@ -89,14 +89,18 @@ std::vector<Tetrahedralization::Cell> TakeSortedCells(GrowingComplex* complex) {
 // The first finite cell of each vertex.
 std::vector<uint32_t> FirstCells(const Tetrahedralization& tetrahedra) {
   std::vector<uint32_t> first(tetrahedra.points.size(), kNone);
-  for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
+  tbb::parallel_for(size_t{0}, tetrahedra.cells.size(), [&](size_t i) {
+    const auto cell = static_cast<uint32_t>(i);
     if (tetrahedra.IsInfinite(cell)) {
-      continue;
+      return;
     }
     for (const uint32_t vertex : tetrahedra.cells[cell].vertices) {
-      first[vertex] = std::min(first[vertex], cell);
+      const std::atomic_ref least(first[vertex]);
+      uint32_t before = least.load(std::memory_order_relaxed);
+      while (cell < before && !least.compare_exchange_weak(before, cell)) {
+      }
     }
-  }
+  });
   return first;
 }
 
@@ -109,7 +113,7 @@ void AddFreeCells(size_t num_cells, GrowingComplex* complex) {
         "too many points for 32-bit indices: raise max_proj_dist");
   }
   complex->cells.resize(begin + num_cells);
-  complex->is_marked.resize(begin + num_cells, 0);
+  complex->locks.resize(begin + num_cells, GrowingComplex::kNotInUse);
   for (size_t i = begin + num_cells; i > begin; --i) {
     complex->free_cells.push_back(static_cast<uint32_t>(i - 1));
   }
@@ -132,7 +136,7 @@ std::array<uint32_t, 4> StartComplex(std::span<const uint32_t> order,
   // The finite cell, and behind each of its facets i the infinite cell 1 + i,
   // which is the finite one mirrored.
   cells.resize(5);
-  complex->is_marked.assign(cells.size(), 0);
+  complex->locks.assign(cells.size(), GrowingComplex::kUnlocked);
   cells[0].vertices = simplex;
   for (uint32_t i = 0; i < 4; ++i) {
     cells[1 + i].vertices = simplex;
@@ -196,7 +200,7 @@ Tetrahedralization TakeTetrahedra(const std::vector<uint32_t>& numbers,
     }
   });
   // The sorting needs most memory.
-  std::vector<uint8_t>().swap(complex->is_marked);
+  std::vector<uint16_t>().swap(complex->locks);
   std::vector<uint32_t>().swap(complex->vertex_cells);
   Tetrahedralization tetrahedra;
   tetrahedra.cells = TakeSortedCells(complex);
@@ -209,25 +213,41 @@ Tetrahedralization TakeTetrahedra(const std::vector<uint32_t>& numbers,
   return tetrahedra;
 }
 
-bool PointInserter::IsOwn(uint32_t cell) const {
-  return std::ranges::all_of(
-      complex_->cells[cell].vertices, [&](uint32_t vertex) {
-        return vertex - begin_ < end_ - begin_ || vertex == kInfiniteVertex;
-      });
-}
-
-uint32_t PointInserter::FindOwnCell() const {
-  for (uint32_t vertex = begin_; vertex < end_; ++vertex) {
-    const uint32_t cell = complex_->vertex_cells[vertex];
-    if (cell != kNone && IsOwn(cell)) {
-      return cell;
+// \return the vertex before the point, if there is one, or the one after it:
+//         points of nearby numbers are near each other
+uint32_t PointInserter::FindStart(uint32_t point) const {
+  const auto is_vertex = [&](uint32_t other) {
+    return CellOf(other).load(std::memory_order_relaxed) != kNone;
+  };
+  for (uint32_t other = point; other > 0; --other) {
+    if (is_vertex(other - 1)) {
+      return other - 1;
     }
   }
-  return kNone;
+  uint32_t other = point + 1;
+  while (!is_vertex(other)) {
+    ++other;
+  }
+  return other;
 }
 
-uint32_t PointInserter::Locate(uint32_t point, uint32_t hint) const {
-  uint32_t at = hint;
+// A visibility walk to the cell that contains a point: one of them if it lies
+// on a facet, an infinite one if it lies beyond the hull. Locks each cell before
+// it leaves the last one.
+// \return the cell, locked; kNone if another inserter holds one on the way
+uint32_t PointInserter::Locate(uint32_t point) {
+  uint32_t at = CellOf(FindStart(point)).load(std::memory_order_relaxed);
+  if (!TryLock(at)) {
+    return kNone;
+  }
+  const auto leave = [&](uint32_t to) {
+    Unlock(at);
+    return to;
+  };
+  // Others may have put the vertex into other cells.
+  if (InfiniteCorner(complex_->cells[at]) != 4) {
+    return leave(kNone);
+  }
   uint32_t entry = 4;
   for (;;) {
     const GrowingComplex::Cell& cell = complex_->cells[at];
@@ -240,68 +260,88 @@ uint32_t PointInserter::Locate(uint32_t point, uint32_t hint) const {
     if (exit == 4) {
       return at;
     }
-    at = cell.mirror_facets[exit] / 4;
-    entry = cell.mirror_facets[exit] % 4;
-    if (!IsOwn(at)) {
-      return kNone;
+    const uint32_t mirror = cell.mirror_facets[exit];
+    if (!TryLock(mirror / 4)) {
+      return leave(kNone);
     }
+    at = leave(mirror / 4);
+    entry = mirror % 4;
     if (complex_->cells[at].vertices[entry] == kInfiniteVertex) {
       return at;
     }
   }
 }
 
-uint32_t PointInserter::Insert(uint32_t point, uint32_t cell) {
-  const bool is_found = FindCavity(point, cell);
-  const uint32_t result = is_found ? FillCavity(point) : kNone;
-  for (const uint32_t marked : cavity_) {
-    complex_->is_marked[marked] = 0;
+bool PointInserter::Insert(uint32_t point) {
+  if (CellOf(point).load(std::memory_order_relaxed) != kNone) {
+    return true;
   }
-  return result;
+  const uint32_t cell = Locate(point);
+  if (cell == kNone) {
+    return false;
+  }
+  const bool is_inserted = FindCavity(point, cell) && FillCavity(point);
+  for (const uint32_t changed : is_inserted ? new_cells_ : cavity_) {
+    Unlock(changed);
+  }
+  for (const uint32_t beside : beside_) {
+    Unlock(beside);
+  }
+  return is_inserted;
 }
 
-// \return whether the inserter owns all cells of the cavity
+// Locks the cells of the cavity and beside it.
+// \param cell  contains the point, locked
+// \return whether no other inserter holds one
 bool PointInserter::FindCavity(uint32_t point, uint32_t cell) {
   boundary_.clear();
-  cavity_.assign(1, cell);
-  complex_->is_marked[cell] = 1;
+  beside_.clear();
+  cavity_.clear();
+  const auto add = [&](uint32_t locked) {
+    LockOf(locked).store(is_in_cavity_, std::memory_order_relaxed);
+    cavity_.push_back(locked);
+  };
+  add(cell);
   for (size_t k = 0; k < cavity_.size(); ++k) {
     for (uint32_t i = 0; i < 4; ++i) {
       const uint32_t other = complex_->cells[cavity_[k]].mirror_facets[i] / 4;
-      if (complex_->is_marked[other]) {
+      const uint16_t lock = LockOf(other).load(std::memory_order_relaxed);
+      if (lock == is_in_cavity_) {
         continue;
       }
-      if (!IsInConflict(*complex_, other, complex_->points[point])) {
-        boundary_.push_back(4 * cavity_[k] + i);
-      } else if (IsOwn(other)) {
-        complex_->is_marked[other] = 1;
-        cavity_.push_back(other);
-      } else {
-        return false;
+      if (lock != is_beside_) {
+        if (!TryLock(other)) {
+          return false;
+        }
+        if (IsInConflict(*complex_, other, complex_->points[point])) {
+          add(other);
+          continue;
+        }
+        beside_.push_back(other);
       }
+      boundary_.push_back(4 * cavity_[k] + i);
     }
   }
   return true;
 }
 
-// \return a new finite cell, or kNone where too few are free
-uint32_t PointInserter::FillCavity(uint32_t point) {
+// \return whether enough cells are free
+bool PointInserter::FillCavity(uint32_t point) {
   if (free_cells_.size() < boundary_.size()) {
-    return kNone;
+    return false;
   }
   new_cells_.clear();
   for (const uint32_t arc : boundary_) {
     new_cells_.push_back(AddCell(point, arc));
   }
-  uint32_t finite = kNone;
   for (size_t i = 0; i < boundary_.size(); ++i) {
     Connect(new_cells_[i], boundary_[i]);
-    if (InfiniteCorner(complex_->cells[new_cells_[i]]) == 4) {
-      finite = new_cells_[i];
-    }
+  }
+  for (const uint32_t cell : cavity_) {
+    LockOf(cell).store(GrowingComplex::kNotInUse, std::memory_order_relaxed);
   }
   Append(cavity_, &free_cells_);
-  return finite;
+  return true;
 }
 
 // Makes the cell from the point to a facet of the cavity's boundary: the cell
@@ -319,7 +359,7 @@ uint32_t PointInserter::AddCell(uint32_t point, uint32_t arc) {
   cells[outside / 4].mirror_facets[outside % 4] = 4 * index + arc % 4;
   if (InfiniteCorner(cell) == 4) {
     for (const uint32_t vertex : cell.vertices) {
-      complex_->vertex_cells[vertex] = index;
+      CellOf(vertex).store(index, std::memory_order_relaxed);
     }
   }
   return index;
@@ -350,7 +390,7 @@ uint32_t PointInserter::TurnThroughCavity(uint32_t arc, uint32_t exit) const {
   for (;;) {
     const uint32_t mirror = cells[at].mirror_facets[exit];
     const uint32_t next = mirror / 4;
-    if (!complex_->is_marked[next]) {
+    if (!IsInCavity(next)) {
       // The cell outside of the cavity is already connected to the new cell.
       return cells[next].mirror_facets[mirror % 4] / 4 * 4 + entry;
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -24,9 +25,13 @@ struct GrowingComplex {
     std::array<uint32_t, 4> mirror_facets;
   };
 
+  // Locks: others are those of inserters.
+  static constexpr uint16_t kUnlocked = 0;
+  static constexpr uint16_t kNotInUse = UINT16_MAX;
+
   std::vector<Eigen::Vector3f> points;  // [P], distinct
   std::vector<Cell> cells;              // [C], those not in use included
-  std::vector<uint8_t> is_marked;       // [C], scratch of an insertion
+  std::vector<uint16_t> locks;          // [C], who holds each
   std::vector<uint32_t> vertex_cells;   // [P], a finite cell of each, or kNone
   std::vector<uint32_t> free_cells;     // not in use
 };
@@ -74,50 +79,65 @@ Tetrahedralization TakeTetrahedra(const std::vector<uint32_t>& numbers,
 // facets of the cavity [Bowyer1981; Watson1981]. The result depends neither on
 // the order of insertion nor on the inserter (IsInSphere).
 //
-// Several inserters work concurrently on disjoint ranges of vertices
-// [Marot2019]. An inserter changes a cell only if it owns at least three of its
-// vertices, and replaces or walks through a cell only if it owns all four. All
-// inserters own the infinite vertex. No data race: of a cell, at most one
-// inserter owns three vertices.
+// Several inserters may work at once [Batista2010]. An inserter reads a cell
+// only while it holds the cell's lock, and changes cells only while it holds
+// those of all cells around. Where another one holds a lock, it does not wait,
+// but leaves the point as it is.
 class PointInserter {
  public:
-  // \param begin, end  the range of vertices that the inserter owns
-  PointInserter(uint32_t begin, uint32_t end, GrowingComplex* complex)
-      : begin_(begin), end_(end), complex_(complex) {}
+  // \param number  from 0 on; inserters that work at once have different ones
+  PointInserter(uint32_t number, GrowingComplex* complex)
+      : is_in_cavity_(static_cast<uint16_t>(2 * number + 1)),
+        is_beside_(static_cast<uint16_t>(2 * number + 2)),
+        complex_(complex) {}
 
-  // Unused cells: those that the inserter may use, and those that it released.
+  // Cells not in use: those that the inserter may use, and those that it
+  // released.
   std::vector<uint32_t>& free_cells() { return free_cells_; }
 
-  // A visibility walk to the cell that contains a point: one of them if it lies
-  // on a facet, an infinite one if it lies beyond the hull.
-  // \param hint  a finite cell, all of whose vertices the inserter owns
-  // \return kNone if the walk meets a vertex that the inserter does not own
-  uint32_t Locate(uint32_t point, uint32_t hint) const;
-
-  // \param cell  contains the point
-  // \return a new finite cell; kNone if the point is not inserted, because
-  //         the inserter does not own the cells or too few are free
-  uint32_t Insert(uint32_t point, uint32_t cell);
-
-  bool IsOwn(uint32_t cell) const;
-
-  // A finite cell all of whose vertices the inserter owns; kNone where none is
-  // found.
-  uint32_t FindOwnCell() const;
+  // \return whether the point is a vertex now; if not, another inserter holds a
+  //         cell, or too few are free
+  bool Insert(uint32_t point);
 
  private:
+  uint32_t FindStart(uint32_t point) const;
+  uint32_t Locate(uint32_t point);
   bool FindCavity(uint32_t point, uint32_t cell);
-  uint32_t FillCavity(uint32_t point);
+  bool FillCavity(uint32_t point);
   uint32_t AddCell(uint32_t point, uint32_t arc);
   void Connect(uint32_t cell, uint32_t arc);
   uint32_t TurnThroughCavity(uint32_t arc, uint32_t exit) const;
 
-  uint32_t begin_;
-  uint32_t end_;
+  std::atomic_ref<uint16_t> LockOf(uint32_t cell) const {
+    return std::atomic_ref(complex_->locks[cell]);
+  }
+
+  std::atomic_ref<uint32_t> CellOf(uint32_t vertex) const {
+    return std::atomic_ref(complex_->vertex_cells[vertex]);
+  }
+
+  bool TryLock(uint32_t cell) const {
+    uint16_t expected = GrowingComplex::kUnlocked;
+    return LockOf(cell).compare_exchange_strong(
+        expected, is_beside_, std::memory_order_acquire,
+        std::memory_order_relaxed);
+  }
+
+  void Unlock(uint32_t cell) const {
+    LockOf(cell).store(GrowingComplex::kUnlocked, std::memory_order_release);
+  }
+
+  bool IsInCavity(uint32_t cell) const {
+    return LockOf(cell).load(std::memory_order_relaxed) == is_in_cavity_;
+  }
+
+  uint16_t is_in_cavity_;  // locks
+  uint16_t is_beside_;
   GrowingComplex* complex_;
   std::vector<uint32_t> free_cells_;
-  std::vector<uint32_t> cavity_;     // cells in conflict, marked
-  std::vector<uint32_t> boundary_;   // their arcs to cells that are not
+  std::vector<uint32_t> cavity_;     // cells in conflict
+  std::vector<uint32_t> beside_;     // the cells around them
+  std::vector<uint32_t> boundary_;   // arcs from the former to the latter
   std::vector<uint32_t> new_cells_;  // [boundary]
 };
 

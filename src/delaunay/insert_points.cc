@@ -1,9 +1,12 @@
 #include "delaunay/growing_complex.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <mutex>
 
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -18,12 +21,12 @@ namespace {
 // which have more than those of a surface.
 constexpr size_t kCellsPerPoint = 7;
 
-// Spare cells of an inserter, for the current insertion and for vertices with
-// more cells than usual.
-constexpr size_t kSpareCells = 4096;
+// Cells that an inserter has at hand, more than most insertions need.
+constexpr size_t kSpareCells = 1024;
 
-// Points of a part that are worth a thread.
-constexpr size_t kMinPartPoints = 2048;
+// Points of a round that are worth several threads, and a task. Choices.
+constexpr size_t kMinPoints = 1024;
+constexpr size_t kTaskPoints = 128;
 
 using PointIndices = std::span<const uint32_t>;
 
@@ -52,13 +55,6 @@ class InsertionProgress {
   size_t num_done_ = 0;
 };
 
-// A range of vertices, and what of a round lies in it, ascending.
-struct Part {
-  PointInserter inserter;
-  PointIndices points;
-  std::vector<uint32_t> left_over;  // points that it could not insert
-};
-
 void MoveCells(size_t num_cells, std::vector<uint32_t>* from,
                std::vector<uint32_t>* to) {
   const size_t kept = from->size() - std::min(num_cells, from->size());
@@ -67,115 +63,78 @@ void MoveCells(size_t num_cells, std::vector<uint32_t>* from,
   from->resize(kept);
 }
 
-void InsertPart(const GrowingComplex& complex, InsertionProgress* progress,
-                Part* part) {
+// An inserter of a thread, and what it could not insert.
+struct Worker {
+  PointInserter inserter;
   size_t num_inserted = 0;
-  uint32_t hint = part->inserter.FindOwnCell();
-  for (const uint32_t point : part->points) {
-    if (complex.vertex_cells[point] != kNone) {
-      continue;
-    }
-    const uint32_t cell =
-        hint != kNone ? part->inserter.Locate(point, hint) : kNone;
-    const uint32_t inserted =
-        cell != kNone ? part->inserter.Insert(point, cell) : kNone;
-    if (inserted != kNone) {
-      hint = inserted;
-      progress->Count(++num_inserted);
-    } else {
-      part->left_over.push_back(point);
-    }
-  }
-}
+  std::vector<uint32_t> left_over;
+};
 
-// \param borders  of the parts: ascending, from 0 to the number of points
-// \return the points that could not be inserted, ascending
-std::vector<uint32_t> InsertInParts(PointIndices points,
-                                    const std::vector<uint32_t>& borders,
-                                    InsertionProgress* progress,
-                                    GrowingComplex* complex) {
-  const size_t num_parts = borders.size() - 1;
+// \param points  ascending
+// \return those that could not be inserted, because threads were in each
+//         other's way; ascending
+std::vector<uint32_t> InsertAtOnce(PointIndices points,
+                                   InsertionProgress* progress,
+                                   GrowingComplex* complex) {
+  std::vector<uint32_t>& free_cells = complex->free_cells;
   const size_t num_cells =
-      kCellsPerPoint * points.size() + kSpareCells * num_parts;
-  if (complex->free_cells.size() < num_cells) {
-    AddFreeCells(num_cells - complex->free_cells.size(), complex);
+      kCellsPerPoint * points.size() +
+      kSpareCells * tbb::this_task_arena::max_concurrency();
+  if (free_cells.size() < num_cells) {
+    AddFreeCells(num_cells - free_cells.size(), complex);
   }
-  std::vector<Part> parts;
-  for (size_t i = 0; i < num_parts; ++i) {
-    const auto begin = std::ranges::lower_bound(points, borders[i]);
-    const auto end = std::ranges::lower_bound(points, borders[i + 1]);
-    parts.push_back({PointInserter(borders[i], borders[i + 1], complex),
-                     PointIndices(begin, end),
-                     {}});
-    MoveCells(kCellsPerPoint * parts[i].points.size() + kSpareCells,
-              &complex->free_cells, &parts[i].inserter.free_cells());
-  }
-  tbb::parallel_for(size_t{0}, num_parts, [&](size_t i) {
-    InsertPart(*complex, progress, &parts[i]);
+  std::mutex mutex;  // of free_cells
+  std::atomic<uint32_t> num_workers = 0;
+  tbb::enumerable_thread_specific<Worker> workers([&] {
+    return Worker{PointInserter(num_workers++, complex), 0, {}};
+  });
+  const tbb::blocked_range<size_t> all(0, points.size(), kTaskPoints);
+  tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
+    Worker& worker = workers.local();
+    for (size_t i = range.begin(); i < range.end(); ++i) {
+      if (worker.inserter.free_cells().size() < kSpareCells) {
+        const std::lock_guard lock(mutex);
+        MoveCells(kSpareCells, &free_cells, &worker.inserter.free_cells());
+      }
+      if (worker.inserter.Insert(points[i])) {
+        progress->Count(++worker.num_inserted);
+      } else {
+        worker.left_over.push_back(points[i]);
+      }
+    }
   });
   std::vector<uint32_t> left_over;
-  for (Part& part : parts) {
-    std::vector<uint32_t>& cells = part.inserter.free_cells();
-    MoveCells(cells.size(), &cells, &complex->free_cells);
-    Append(part.left_over, &left_over);
+  for (Worker& worker : workers) {
+    Append(worker.inserter.free_cells(), &free_cells);
+    Append(worker.left_over, &left_over);
   }
+  std::ranges::sort(left_over);
   return left_over;
-}
-
-// \param shift  of the borders, in parts
-std::vector<uint32_t> Borders(size_t num_points, size_t num_parts,
-                              double shift) {
-  std::vector<uint32_t> borders = {0};
-  const double size =
-      static_cast<double>(num_points) / static_cast<double>(num_parts);
-  for (size_t i = 0; i < num_parts; ++i) {
-    const auto border =
-        static_cast<uint32_t>((static_cast<double>(i) + shift) * size);
-    if (border > borders.back()) {
-      borders.push_back(border);
-    }
-  }
-  borders.push_back(static_cast<uint32_t>(num_points));
-  return borders;
 }
 
 void InsertSerially(PointIndices points, InsertionProgress* progress,
                     GrowingComplex* complex) {
-  const auto num_points = static_cast<uint32_t>(complex->points.size());
-  PointInserter inserter(0, num_points, complex);
+  PointInserter inserter(0, complex);
   inserter.free_cells().swap(complex->free_cells);
-  uint32_t hint = inserter.FindOwnCell();
   size_t num_done = 0;
   for (const uint32_t point : points) {
-    progress->Count(++num_done);
-    while (complex->vertex_cells[point] == kNone) {
-      const uint32_t inserted =
-          inserter.Insert(point, inserter.Locate(point, hint));
-      if (inserted != kNone) {
-        hint = inserted;
-      } else {  // Too few cells are free.
-        AddFreeCells(kSpareCells, complex);
-        MoveCells(kSpareCells, &complex->free_cells, &inserter.free_cells());
-      }
+    while (!inserter.Insert(point)) {  // Too few cells are free.
+      AddFreeCells(kSpareCells, complex);
+      MoveCells(kSpareCells, &complex->free_cells, &inserter.free_cells());
     }
+    progress->Count(++num_done);
   }
   inserter.free_cells().swap(complex->free_cells);
 }
 
-// What lies at a border of the parts is tried again in parts with other
-// borders, before it is inserted by one thread.
 void InsertRound(PointIndices points, InsertionProgress* progress,
                  GrowingComplex* complex) {
   std::vector<uint32_t> left_over(points.begin(), points.end());
-  for (const double shift : {0.0, 0.5}) {
-    const size_t num_parts =
-        std::min<size_t>(tbb::this_task_arena::max_concurrency(),
-                         left_over.size() / kMinPartPoints);
-    if (num_parts > 1) {
-      left_over = InsertInParts(
-          left_over, Borders(complex->points.size(), num_parts, shift),
-          progress, complex);
-    }
+  size_t num_before = SIZE_MAX;
+  while (tbb::this_task_arena::max_concurrency() > 1 &&
+         left_over.size() >= kMinPoints && left_over.size() < num_before / 2) {
+    num_before = left_over.size();
+    left_over = InsertAtOnce(left_over, progress, complex);
   }
   InsertSerially(left_over, progress, complex);
 }
