@@ -1,12 +1,15 @@
 #include "delaunay/tetrahedralization.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include "delaunay/growing_complex.h"
 #include "tests/delaunay/random_complex.h"
@@ -174,15 +177,11 @@ struct Begun {
 
   // Inserts what is missing of the first points.
   void InsertFirst(size_t count) {
-    PointInserter inserter(0, Size(), &complex);
+    PointInserter inserter(0, &complex);
     AddFreeCells(16 * count + 1000, &complex);
     inserter.free_cells().swap(complex.free_cells);
     for (size_t i = 0; i < std::min(count, order.size()); ++i) {
-      if (complex.vertex_cells[order[i]] == kNone) {
-        const uint32_t hint = complex.vertex_cells[order.front()];
-        ASSERT_NE(inserter.Insert(order[i], inserter.Locate(order[i], hint)),
-                  kNone);
-      }
+      ASSERT_TRUE(inserter.Insert(order[i]));
     }
     GiveBack(inserter);
   }
@@ -192,11 +191,21 @@ struct Begun {
     inserter.free_cells().clear();
   }
 
+  // Cells in use are unlocked, and others are not in use.
+  void ExpectNoLocks() const {
+    std::vector<uint16_t> expected(complex.cells.size(),
+                                   GrowingComplex::kUnlocked);
+    for (const uint32_t cell : complex.free_cells) {
+      expected[cell] = GrowingComplex::kNotInUse;
+    }
+    EXPECT_EQ(complex.locks, expected);
+  }
+
   GrowingComplex complex;
   std::vector<uint32_t> order;
 };
 
-TEST(PointInserter, ThoseOfTwoRangesMakeWhatOneMakes) {
+TEST(PointInserter, LeavesCellsThatAnotherOneHolds) {
   Random random(7);
   std::vector<NamedPoints> sets = DifficultPoints();
   sets.push_back({"many", RandomPoints(3000, 1 << 16, &random)});
@@ -205,30 +214,36 @@ TEST(PointInserter, ThoseOfTwoRangesMakeWhatOneMakes) {
     Begun expected(points);
     expected.InsertFirst(expected.Size());
 
+    // Another one holds some cells.
     Begun begun(points);
-    const uint32_t middle = begun.Size() / 2;
-    PointInserter lower(0, middle, &begun.complex);
-    PointInserter upper(middle, begun.Size(), &begun.complex);
-    for (PointInserter* inserter : {&lower, &upper}) {
-      AddFreeCells(40000, &begun.complex);
-      std::swap(inserter->free_cells(), begun.complex.free_cells);
+    AddFreeCells(40000, &begun.complex);
+    PointInserter inserter(3, &begun.complex);
+    inserter.free_cells().swap(begun.complex.free_cells);
+    std::vector<std::pair<uint32_t, GrowingComplex::Cell>> held;
+    for (uint32_t cell = 0; cell < begun.complex.cells.size(); cell += 200) {
+      if (begun.complex.locks[cell] == GrowingComplex::kUnlocked) {
+        held.emplace_back(cell, begun.complex.cells[cell]);
+        begun.complex.locks[cell] = 1;
+      }
     }
     size_t num_inserted = 0;
     for (const uint32_t point : begun.order) {
-      if (begun.complex.vertex_cells[point] == kNone) {
-        PointInserter& inserter = point < middle ? lower : upper;
-        const uint32_t hint = inserter.FindOwnCell();
-        const uint32_t cell =
-            hint != kNone ? inserter.Locate(point, hint) : kNone;
-        num_inserted += cell != kNone && inserter.Insert(point, cell) != kNone;
-      }
+      num_inserted += inserter.Insert(point);
+    }
+    for (const auto& [cell, before] : held) {
+      EXPECT_EQ(begun.complex.locks[cell], 1);
+      EXPECT_EQ(begun.complex.cells[cell].vertices, before.vertices);
+      EXPECT_EQ(begun.complex.cells[cell].mirror_facets, before.mirror_facets);
+      begun.complex.locks[cell] = GrowingComplex::kUnlocked;
     }
     if (name == "many") {
       EXPECT_GT(num_inserted, begun.Size() / 4);
+      EXPECT_LT(num_inserted, begun.Size() - 10);
     }
-    begun.GiveBack(lower);
-    begun.GiveBack(upper);
+    begun.GiveBack(inserter);
+    begun.ExpectNoLocks();
     begun.InsertFirst(begun.Size());
+    begun.ExpectNoLocks();
 
     std::vector<uint32_t> numbers = Iota(begun.Size());
     EXPECT_TRUE(TakeTetrahedra(numbers, &begun.complex) ==
@@ -239,17 +254,31 @@ TEST(PointInserter, ThoseOfTwoRangesMakeWhatOneMakes) {
 TEST(PointInserter, LeavesAllAsItIsWhereItHasTooFewCells) {
   Random random(8);
   Begun begun(RandomPoints(200, 1 << 16, &random));
-  PointInserter inserter(0, begun.Size(), &begun.complex);
+  PointInserter inserter(0, &begun.complex);
   for (const uint32_t point : begun.order) {
     if (begun.complex.vertex_cells[point] == kNone) {
-      const uint32_t cell = inserter.Locate(
-          point, begun.complex.vertex_cells[begun.order.front()]);
-      EXPECT_EQ(inserter.Insert(point, cell), kNone);
+      EXPECT_FALSE(inserter.Insert(point));
       EXPECT_EQ(begun.complex.vertex_cells[point], kNone);
     }
   }
-  EXPECT_EQ(std::ranges::count(begun.complex.is_marked, 0),
-            static_cast<ptrdiff_t>(begun.complex.is_marked.size()));
+  begun.ExpectNoLocks();
+}
+
+TEST(InsertPoints, ManyThreadsInEachOthersWay) {
+  // All stars of points on a line and a circle around it overlap.
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 5000; ++i) {
+    points.emplace_back(0, 0, i);
+  }
+  for (int i = 0; i < 30; ++i) {
+    const float angle = static_cast<float>(i) * 0.2f;
+    points.emplace_back(5000 * std::cos(angle), 5000 * std::sin(angle), 2500);
+  }
+  const Tetrahedralization expected = DelaunayOf(points);
+  const tbb::global_control control(
+      tbb::global_control::max_allowed_parallelism, 8);
+  tbb::task_arena(8).execute(
+      [&] { EXPECT_TRUE(DelaunayOf(points) == expected); });
 }
 
 }  // namespace colmap_ext::tetrahedralization_test
