@@ -61,9 +61,6 @@ std::vector<uint32_t> Order(const std::vector<GrowingComplex::Cell>& cells,
 // complex has no cells afterwards.
 std::vector<Tetrahedralization::Cell> TakeSortedCells(GrowingComplex* complex) {
   std::vector<GrowingComplex::Cell>& cells = complex->cells;
-  for (const uint32_t cell : complex->free_cells) {
-    cells[cell].vertices.fill(0);
-  }
   tbb::parallel_for(size_t{0}, cells.size(), [&](size_t i) {
     SortCorners(&cells[i].vertices, &cells[i].mirror_facets);
   });
@@ -192,6 +189,9 @@ bool IsInConflict(const GrowingComplex& complex, uint32_t index,
 
 Tetrahedralization TakeTetrahedra(const std::vector<uint32_t>& numbers,
                                   GrowingComplex* complex) {
+  for (const uint32_t cell : complex->free_cells) {
+    complex->cells[cell].vertices.fill(0);
+  }
   tbb::parallel_for(size_t{0}, complex->cells.size(), [&](size_t i) {
     for (uint32_t& vertex : complex->cells[i].vertices) {
       if (vertex != kInfiniteVertex) {
@@ -232,8 +232,8 @@ uint32_t PointInserter::FindStart(uint32_t point) const {
 }
 
 // A visibility walk to the cell that contains a point: one of them if it lies
-// on a facet, an infinite one if it lies beyond the hull. Locks each cell before
-// it leaves the last one.
+// on a facet, an infinite one if it lies beyond the hull. Each cell is locked
+// before the last one is left.
 // \return the cell, locked; kNone if another inserter holds one on the way
 uint32_t PointInserter::Locate(uint32_t point) {
   uint32_t at = CellOf(FindStart(point)).load(std::memory_order_relaxed);

@@ -19,6 +19,9 @@ namespace colmap_ext {
 // infinite ones close the hull.
 struct GrowingComplex {
   struct alignas(32) Cell {
+    // Leaves memory to be touched first by the thread that fills it.
+    Cell() {}  // NOLINT: neither default nor initialized
+
     std::array<uint32_t, 4> vertices;  // index into points, or kInfiniteVertex
     // [i]: the mirror facet of the facet opposite to vertex i: the same facet
     // in the neighboring cell, as 4 * cell + facet.
@@ -118,9 +121,9 @@ class PointInserter {
 
   bool TryLock(uint32_t cell) const {
     uint16_t expected = GrowingComplex::kUnlocked;
-    return LockOf(cell).compare_exchange_strong(
-        expected, is_beside_, std::memory_order_acquire,
-        std::memory_order_relaxed);
+    return LockOf(cell).compare_exchange_strong(expected, is_beside_,
+                                                std::memory_order_acquire,
+                                                std::memory_order_relaxed);
   }
 
   void Unlock(uint32_t cell) const {
@@ -168,10 +171,9 @@ std::vector<uint32_t> InsertionOrder(size_t num_points);
 void InsertPoints(const std::vector<uint32_t>& order, const Progress& progress,
                   GrowingComplex* complex);
 
-// Appends points to a complex and inserts them, one after the other: fast where
-// neighbors in the list are neighbors in space.
-// \pre the positions are new to the complex
-// \throw std::invalid_argument as InsertPoints()
+// Appends points to a complex and inserts them: fast where neighbors in the
+// list are neighbors in space. \pre the positions are new to the complex \throw
+// std::invalid_argument as InsertPoints()
 void InsertMorePoints(std::span<const Eigen::Vector3f> positions,
                       GrowingComplex* complex);
 

@@ -21,10 +21,10 @@ namespace {
 // which have more than those of a surface.
 constexpr size_t kCellsPerPoint = 7;
 
-// Cells that an inserter has at hand, more than most insertions need.
+// Cells that an inserter has at hand: more than most insertions need.
 constexpr size_t kSpareCells = 1024;
 
-// Points of a round that are worth several threads, and a task. Choices.
+// Points that are worth several threads, and a task. Choices.
 constexpr size_t kMinPoints = 1024;
 constexpr size_t kTaskPoints = 128;
 
@@ -70,16 +70,17 @@ struct Worker {
   std::vector<uint32_t> left_over;
 };
 
-// \param points  ascending
-// \return those that could not be inserted, because threads were in each
-//         other's way; ascending
-std::vector<uint32_t> InsertAtOnce(PointIndices points,
-                                   InsertionProgress* progress,
-                                   GrowingComplex* complex) {
+// \param points       ascending
+// \param task_points  that a thread takes at once
+// \param num_spare    cells that each thread has at hand
+// \return points that were not inserted, because threads were in each other's
+//         way, or had too few cells; ascending
+std::vector<uint32_t> TryToInsert(PointIndices points, size_t task_points,
+                                  size_t num_spare, InsertionProgress* progress,
+                                  GrowingComplex* complex) {
   std::vector<uint32_t>& free_cells = complex->free_cells;
-  const size_t num_cells =
-      kCellsPerPoint * points.size() +
-      kSpareCells * tbb::this_task_arena::max_concurrency();
+  const size_t num_cells = kCellsPerPoint * points.size() +
+                           num_spare * tbb::this_task_arena::max_concurrency();
   if (free_cells.size() < num_cells) {
     AddFreeCells(num_cells - free_cells.size(), complex);
   }
@@ -88,13 +89,13 @@ std::vector<uint32_t> InsertAtOnce(PointIndices points,
   tbb::enumerable_thread_specific<Worker> workers([&] {
     return Worker{PointInserter(num_workers++, complex), 0, {}};
   });
-  const tbb::blocked_range<size_t> all(0, points.size(), kTaskPoints);
+  const tbb::blocked_range<size_t> all(0, points.size(), task_points);
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
     Worker& worker = workers.local();
     for (size_t i = range.begin(); i < range.end(); ++i) {
-      if (worker.inserter.free_cells().size() < kSpareCells) {
+      if (worker.inserter.free_cells().size() < num_spare) {
         const std::lock_guard lock(mutex);
-        MoveCells(kSpareCells, &free_cells, &worker.inserter.free_cells());
+        MoveCells(num_spare, &free_cells, &worker.inserter.free_cells());
       }
       if (worker.inserter.Insert(points[i])) {
         progress->Count(++worker.num_inserted);
@@ -112,31 +113,21 @@ std::vector<uint32_t> InsertAtOnce(PointIndices points,
   return left_over;
 }
 
-void InsertSerially(PointIndices points, InsertionProgress* progress,
-                    GrowingComplex* complex) {
-  PointInserter inserter(0, complex);
-  inserter.free_cells().swap(complex->free_cells);
-  size_t num_done = 0;
-  for (const uint32_t point : points) {
-    while (!inserter.Insert(point)) {  // Too few cells are free.
-      AddFreeCells(kSpareCells, complex);
-      MoveCells(kSpareCells, &complex->free_cells, &inserter.free_cells());
-    }
-    progress->Count(++num_done);
-  }
-  inserter.free_cells().swap(complex->free_cells);
-}
-
+// \param points  ascending
 void InsertRound(PointIndices points, InsertionProgress* progress,
                  GrowingComplex* complex) {
   std::vector<uint32_t> left_over(points.begin(), points.end());
-  size_t num_before = SIZE_MAX;
-  while (tbb::this_task_arena::max_concurrency() > 1 &&
-         left_over.size() >= kMinPoints && left_over.size() < num_before / 2) {
-    num_before = left_over.size();
-    left_over = InsertAtOnce(left_over, progress, complex);
+  size_t task_points = kTaskPoints;
+  for (size_t spare = kSpareCells; !left_over.empty(); spare *= 2) {
+    const size_t size = left_over.size();
+    if (size < kMinPoints) {
+      task_points = size;  // One thread, in nobody's way.
+    }
+    left_over = TryToInsert(left_over, task_points, spare, progress, complex);
+    if (left_over.size() > size / 2) {
+      task_points = size;
+    }
   }
-  InsertSerially(left_over, progress, complex);
 }
 
 }  // namespace
@@ -196,7 +187,7 @@ void InsertMorePoints(std::span<const Eigen::Vector3f> positions,
   complex->vertex_cells.resize(complex->points.size(), kNone);
   const Progress silent;
   InsertionProgress inserted(added.size(), silent);
-  InsertSerially(added, &inserted, complex);
+  InsertRound(added, &inserted, complex);
 }
 
 }  // namespace colmap_ext

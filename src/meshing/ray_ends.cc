@@ -73,18 +73,26 @@ double MarginOf(const Region& region) {
 
 void DropPoints(const std::vector<uint8_t>& is_dropped,
                 WeightedCloud* weighted) {
-  const PointCloud& cloud = weighted->cloud;
-  WeightedCloud kept;
-  for (size_t i = 0; i < cloud.size(); ++i) {
-    if (is_dropped[i] == 0) {
-      kept.cloud.positions.push_back(cloud.positions[i]);
-      kept.cloud.views.AddRow(cloud.views[i]);
-      kept.weights.push_back(weighted->weights[i]);
-      AppendIfAny(cloud.colors, i, &kept.cloud.colors);
+  PointCloud& cloud = weighted->cloud;
+  const auto shorten = [&](auto* values) {
+    size_t size = 0;
+    for (size_t i = 0; i < values->size(); ++i) {
+      if (is_dropped[i] == 0) {
+        (*values)[size++] = (*values)[i];
+      }
     }
-  }
-  kept.num_points = weighted->num_points - (cloud.size() - kept.cloud.size());
-  *weighted = std::move(kept);
+    values->resize(size);
+  };
+  weighted->num_points -=
+      static_cast<size_t>(std::ranges::count(is_dropped, 1));
+  EditRows(
+      [&](size_t i, const auto& row) {
+        return is_dropped[i] == 0 ? std::optional(row.size()) : std::nullopt;
+      },
+      &cloud.views);
+  shorten(&cloud.positions);
+  shorten(&cloud.colors);
+  shorten(&weighted->weights);
 }
 
 RayEnds CropCloud(const Region& region, const std::vector<View>& views,
