@@ -111,27 +111,17 @@ class PointInserter {
   void Connect(uint32_t cell, uint32_t arc);
   uint32_t TurnThroughCavity(uint32_t arc, uint32_t exit) const;
 
+  bool TryLock(uint32_t cell) const;
+  void Unlock(uint32_t cell) const;
+
   std::atomic_ref<uint16_t> LockOf(uint32_t cell) const {
     return std::atomic_ref(complex_->locks[cell]);
   }
 
-  std::atomic_ref<uint32_t> CellOf(uint32_t vertex) const {
-    return std::atomic_ref(complex_->vertex_cells[vertex]);
-  }
-
-  bool TryLock(uint32_t cell) const {
-    uint16_t expected = GrowingComplex::kUnlocked;
-    return LockOf(cell).compare_exchange_strong(expected, is_beside_,
-                                                std::memory_order_acquire,
-                                                std::memory_order_relaxed);
-  }
-
-  void Unlock(uint32_t cell) const {
-    LockOf(cell).store(GrowingComplex::kUnlocked, std::memory_order_release);
-  }
-
-  bool IsInCavity(uint32_t cell) const {
-    return LockOf(cell).load(std::memory_order_relaxed) == is_in_cavity_;
+  // kNone: the point is not inserted yet.
+  uint32_t CellOf(uint32_t point) const {
+    return std::atomic_ref(complex_->vertex_cells[point])
+        .load(std::memory_order_relaxed);
   }
 
   uint16_t is_in_cavity_;  // locks

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <bit>
 #include <mutex>
+#include <utility>
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -30,29 +31,17 @@ constexpr size_t kTaskPoints = 128;
 
 using PointIndices = std::span<const uint32_t>;
 
-// Reports how many of all points are inserted, by threads at once.
-class InsertionProgress {
- public:
-  InsertionProgress(size_t num_points, const Progress& progress)
-      : num_points_(num_points), progress_(progress) {}
+// Reports how many of all points are inserted.
+struct InsertionProgress {
+  size_t num_points;
+  const Progress& progress;
+  size_t num_done = 0;
 
-  // To be called for each point of a thread: every so many are reported.
-  // \param num_inserted  by the thread
-  void Count(size_t num_inserted) {
-    constexpr size_t kStep = 16384;
-    if (num_inserted % kStep == 0) {
-      const std::lock_guard lock(mutex_);
-      num_done_ += kStep;
-      Report(progress_, kTriangulatingStage,
-             static_cast<double>(num_done_) / static_cast<double>(num_points_));
-    }
+  void Add(size_t num_inserted) {
+    num_done += num_inserted;
+    Report(progress, kTriangulatingStage,
+           static_cast<double>(num_done) / static_cast<double>(num_points));
   }
-
- private:
-  size_t num_points_;
-  const Progress& progress_;
-  std::mutex mutex_;
-  size_t num_done_ = 0;
 };
 
 void MoveCells(size_t num_cells, std::vector<uint32_t>* from,
@@ -66,7 +55,7 @@ void MoveCells(size_t num_cells, std::vector<uint32_t>* from,
 // An inserter of a thread, and what it could not insert.
 struct Worker {
   PointInserter inserter;
-  size_t num_inserted = 0;
+  size_t num_inserted = 0;  // since the last report
   std::vector<uint32_t> left_over;
 };
 
@@ -81,10 +70,8 @@ std::vector<uint32_t> TryToInsert(PointIndices points, size_t task_points,
   std::vector<uint32_t>& free_cells = complex->free_cells;
   const size_t num_cells = kCellsPerPoint * points.size() +
                            num_spare * tbb::this_task_arena::max_concurrency();
-  if (free_cells.size() < num_cells) {
-    AddFreeCells(num_cells - free_cells.size(), complex);
-  }
-  std::mutex mutex;  // of free_cells
+  AddFreeCells(num_cells - std::min(num_cells, free_cells.size()), complex);
+  std::mutex mutex;  // of free_cells, and the progress
   std::atomic<uint32_t> num_workers = 0;
   tbb::enumerable_thread_specific<Worker> workers([&] {
     return Worker{PointInserter(num_workers++, complex), 0, {}};
@@ -96,9 +83,10 @@ std::vector<uint32_t> TryToInsert(PointIndices points, size_t task_points,
       if (worker.inserter.free_cells().size() < num_spare) {
         const std::lock_guard lock(mutex);
         MoveCells(num_spare, &free_cells, &worker.inserter.free_cells());
+        progress->Add(std::exchange(worker.num_inserted, 0));
       }
       if (worker.inserter.Insert(points[i])) {
-        progress->Count(++worker.num_inserted);
+        ++worker.num_inserted;
       } else {
         worker.left_over.push_back(points[i]);
       }
@@ -131,6 +119,199 @@ void InsertRound(PointIndices points, InsertionProgress* progress,
 }
 
 }  // namespace
+
+bool PointInserter::TryLock(uint32_t cell) const {
+  uint16_t expected = GrowingComplex::kUnlocked;
+  return LockOf(cell).compare_exchange_strong(expected, is_beside_,
+                                              std::memory_order_acquire,
+                                              std::memory_order_relaxed);
+}
+
+void PointInserter::Unlock(uint32_t cell) const {
+  LockOf(cell).store(GrowingComplex::kUnlocked, std::memory_order_release);
+}
+
+// \return the vertex before the point, if there is one, or the one after it:
+//         points of nearby numbers are near each other
+uint32_t PointInserter::FindStart(uint32_t point) const {
+  uint32_t vertex = point;
+  while (vertex > 0 && CellOf(vertex) == kNone) {
+    --vertex;
+  }
+  while (CellOf(vertex) == kNone) {
+    ++vertex;
+  }
+  return vertex;
+}
+
+// A visibility walk to the cell that contains a point: one of them if it lies
+// on a facet, an infinite one if it lies beyond the hull. Each cell is locked
+// before the last one is left.
+// \return the cell, locked; kNone if another inserter holds one on the way
+uint32_t PointInserter::Locate(uint32_t point) {
+  uint32_t at = CellOf(FindStart(point));
+  if (!TryLock(at)) {
+    return kNone;
+  }
+  if (InfiniteCorner(complex_->cells[at]) != 4) {
+    Unlock(at);  // Others have put the vertex into other cells.
+    return kNone;
+  }
+  uint32_t entry = 4;
+  for (;;) {
+    const GrowingComplex::Cell& cell = complex_->cells[at];
+    uint32_t exit = 0;
+    while (exit < 4 &&
+           (exit == entry || OrientationWith(*complex_, cell, exit,
+                                             complex_->points[point]) >= 0)) {
+      ++exit;
+    }
+    if (exit == 4) {
+      return at;
+    }
+    const uint32_t mirror = cell.mirror_facets[exit];
+    const bool is_locked = TryLock(mirror / 4);
+    Unlock(at);
+    if (!is_locked) {
+      return kNone;
+    }
+    at = mirror / 4;
+    entry = mirror % 4;
+    if (complex_->cells[at].vertices[entry] == kInfiniteVertex) {
+      return at;
+    }
+  }
+}
+
+bool PointInserter::Insert(uint32_t point) {
+  if (CellOf(point) != kNone) {
+    return true;
+  }
+  const uint32_t cell = Locate(point);
+  if (cell == kNone) {
+    return false;
+  }
+  const bool is_inserted = FindCavity(point, cell) && FillCavity(point);
+  for (const uint32_t changed : is_inserted ? new_cells_ : cavity_) {
+    Unlock(changed);
+  }
+  for (const uint32_t beside : beside_) {
+    Unlock(beside);
+  }
+  return is_inserted;
+}
+
+// Locks the cells of the cavity and beside it.
+// \param cell  contains the point, locked
+// \return whether no other inserter holds one
+bool PointInserter::FindCavity(uint32_t point, uint32_t cell) {
+  boundary_.clear();
+  beside_.clear();
+  cavity_.clear();
+  const auto add = [&](uint32_t locked) {
+    LockOf(locked).store(is_in_cavity_, std::memory_order_relaxed);
+    cavity_.push_back(locked);
+  };
+  add(cell);
+  for (size_t k = 0; k < cavity_.size(); ++k) {
+    for (uint32_t i = 0; i < 4; ++i) {
+      const uint32_t other = complex_->cells[cavity_[k]].mirror_facets[i] / 4;
+      const uint16_t lock = LockOf(other).load(std::memory_order_relaxed);
+      if (lock == is_in_cavity_) {
+        continue;
+      }
+      if (lock != is_beside_) {
+        if (!TryLock(other)) {
+          return false;
+        }
+        if (IsInConflict(*complex_, other, complex_->points[point])) {
+          add(other);
+          continue;
+        }
+        beside_.push_back(other);
+      }
+      boundary_.push_back(4 * cavity_[k] + i);
+    }
+  }
+  return true;
+}
+
+// \return whether enough cells are free
+bool PointInserter::FillCavity(uint32_t point) {
+  if (free_cells_.size() < boundary_.size()) {
+    return false;
+  }
+  new_cells_.clear();
+  for (const uint32_t arc : boundary_) {
+    new_cells_.push_back(AddCell(point, arc));
+  }
+  for (size_t i = 0; i < boundary_.size(); ++i) {
+    Connect(new_cells_[i], boundary_[i]);
+  }
+  for (const uint32_t cell : cavity_) {
+    LockOf(cell).store(GrowingComplex::kNotInUse, std::memory_order_relaxed);
+  }
+  Append(cavity_, &free_cells_);
+  return true;
+}
+
+// Makes the cell from the point to a facet of the cavity's boundary: the cell
+// inside, with the corner opposite to the facet replaced by the point.
+uint32_t PointInserter::AddCell(uint32_t point, uint32_t arc) {
+  const uint32_t index = free_cells_.back();
+  free_cells_.pop_back();
+  std::vector<GrowingComplex::Cell>& cells = complex_->cells;
+  GrowingComplex::Cell& cell = cells[index];
+  cell.vertices = cells[arc / 4].vertices;
+  cell.vertices[arc % 4] = point;
+  cell.mirror_facets.fill(kNone);
+  const uint32_t outside = cells[arc / 4].mirror_facets[arc % 4];
+  cell.mirror_facets[arc % 4] = outside;
+  cells[outside / 4].mirror_facets[outside % 4] = 4 * index + arc % 4;
+  if (InfiniteCorner(cell) == 4) {
+    for (const uint32_t vertex : cell.vertices) {
+      std::atomic_ref(complex_->vertex_cells[vertex])
+          .store(index, std::memory_order_relaxed);
+    }
+  }
+  return index;
+}
+
+// Connects a new cell with the new ones beside it.
+// \param arc  the facet of the cavity's boundary that the cell was made from
+void PointInserter::Connect(uint32_t cell, uint32_t arc) {
+  std::vector<GrowingComplex::Cell>& cells = complex_->cells;
+  for (uint32_t i = 0; i < 4; ++i) {
+    if (cells[cell].mirror_facets[i] == kNone) {
+      const uint32_t mirror = TurnThroughCavity(arc, i);
+      cells[cell].mirror_facets[i] = mirror;
+      cells[mirror / 4].mirror_facets[mirror % 4] = 4 * cell + i;
+    }
+  }
+}
+
+// Turns through the cavity around an edge of a facet of its boundary, up to the
+// next facet of the boundary.
+// \param arc   the facet
+// \param exit  the corner of the facet that is not on the edge
+// \return the facet that the new cell there has with the one at the start
+uint32_t PointInserter::TurnThroughCavity(uint32_t arc, uint32_t exit) const {
+  const std::vector<GrowingComplex::Cell>& cells = complex_->cells;
+  uint32_t at = arc / 4;
+  uint32_t entry = arc % 4;
+  for (;;) {
+    const uint32_t mirror = cells[at].mirror_facets[exit];
+    const uint32_t next = mirror / 4;
+    if (LockOf(next).load(std::memory_order_relaxed) != is_in_cavity_) {
+      // The cell outside of the cavity is already connected to the new cell.
+      return cells[next].mirror_facets[mirror % 4] / 4 * 4 + entry;
+    }
+    const uint32_t pivot = cells[at].vertices[entry];
+    at = next;
+    entry = mirror % 4;
+    exit = PlaceOf(pivot, cells[at].vertices);
+  }
+}
 
 std::vector<uint32_t> DistinctPoints(
     const std::vector<Eigen::Vector3f>& positions,
@@ -171,7 +352,7 @@ void InsertPoints(const std::vector<uint32_t>& order, const Progress& progress,
                   GrowingComplex* complex) {
   complex->cells.reserve(kCellsPerPoint * order.size() + kSpareCells);
   StartComplex(order, complex);
-  InsertionProgress inserted(order.size(), progress);
+  InsertionProgress inserted{order.size(), progress};
   for (auto begin = order.begin(); begin != order.end();) {
     const auto end = std::is_sorted_until(begin, order.end());
     InsertRound(PointIndices(begin, end), &inserted, complex);
@@ -186,7 +367,7 @@ void InsertMorePoints(std::span<const Eigen::Vector3f> positions,
   Append(positions, &complex->points);
   complex->vertex_cells.resize(complex->points.size(), kNone);
   const Progress silent;
-  InsertionProgress inserted(added.size(), silent);
+  InsertionProgress inserted{added.size(), silent};
   InsertRound(added, &inserted, complex);
 }
 

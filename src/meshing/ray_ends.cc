@@ -75,13 +75,9 @@ void DropPoints(const std::vector<uint8_t>& is_dropped,
                 WeightedCloud* weighted) {
   PointCloud& cloud = weighted->cloud;
   const auto shorten = [&](auto* values) {
-    size_t size = 0;
-    for (size_t i = 0; i < values->size(); ++i) {
-      if (is_dropped[i] == 0) {
-        (*values)[size++] = (*values)[i];
-      }
-    }
-    values->resize(size);
+    std::erase_if(*values, [&](const auto& value) {
+      return is_dropped[&value - values->data()] != 0;
+    });
   };
   weighted->num_points -=
       static_cast<size_t>(std::ranges::count(is_dropped, 1));

@@ -46,7 +46,7 @@ class NormalEquations {
   // with much noise. 0 where a vertex has no smoothness. It needs a more exact
   // solution than a step does, as next to nothing is determined of planes.
   std::vector<double> Determined(const SolverOptions& options = {
-                                     kSolverTolerance / 10, 300}) const;
+                                     kSolverTolerance / 3, 300}) const;
 
  private:
   void AddPhotometric();
