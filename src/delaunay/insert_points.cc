@@ -26,7 +26,7 @@ constexpr size_t kCellsPerPoint = 7;
 constexpr size_t kSpareCells = 1024;
 
 // Points that are worth several threads, and a task. Choices.
-constexpr size_t kMinPoints = 1024;
+constexpr size_t kMinSharedPoints = 1024;
 constexpr size_t kTaskPoints = 128;
 
 using PointIndices = std::span<const uint32_t>;
@@ -108,7 +108,7 @@ void InsertRound(PointIndices points, InsertionProgress* progress,
   size_t task_points = kTaskPoints;
   for (size_t spare = kSpareCells; !left_over.empty(); spare *= 2) {
     const size_t size = left_over.size();
-    if (size < kMinPoints) {
+    if (size < kMinSharedPoints) {
       task_points = size;  // One thread, in nobody's way.
     }
     left_over = TryToInsert(left_over, task_points, spare, progress, complex);
