@@ -190,7 +190,7 @@ bool IsInConflict(const GrowingComplex& complex, uint32_t index,
 Tetrahedralization TakeTetrahedra(const std::vector<uint32_t>& numbers,
                                   GrowingComplex* complex) {
   for (const uint32_t cell : complex->free_cells) {
-    complex->cells[cell].vertices.fill(0);
+    complex->cells[cell].vertices.fill(0);  // may hold anything
   }
   tbb::parallel_for(size_t{0}, complex->cells.size(), [&](size_t i) {
     for (uint32_t& vertex : complex->cells[i].vertices) {

@@ -19,7 +19,7 @@ namespace colmap_ext {
 // infinite ones close the hull.
 struct GrowingComplex {
   struct alignas(32) Cell {
-    // Leaves memory to be touched first by the thread that fills it.
+    // Writes nothing: the thread that fills a cell touches its memory first.
     Cell() {}  // NOLINT: neither default nor initialized
 
     std::array<uint32_t, 4> vertices;  // index into points, or kInfiniteVertex
@@ -28,13 +28,13 @@ struct GrowingComplex {
     std::array<uint32_t, 4> mirror_facets;
   };
 
-  // Locks: others are those of inserters.
+  // Values of locks; any other one names the inserter that holds the cell.
   static constexpr uint16_t kUnlocked = 0;
   static constexpr uint16_t kNotInUse = UINT16_MAX;
 
   std::vector<Eigen::Vector3f> points;  // [P], distinct
   std::vector<Cell> cells;              // [C], those not in use included
-  std::vector<uint16_t> locks;          // [C], who holds each
+  std::vector<uint16_t> locks;          // [C]
   std::vector<uint32_t> vertex_cells;   // [P], a finite cell of each, or kNone
   std::vector<uint32_t> free_cells;     // not in use
 };
@@ -85,7 +85,7 @@ Tetrahedralization TakeTetrahedra(const std::vector<uint32_t>& numbers,
 // Several inserters may work at once [Batista2010]. An inserter reads a cell
 // only while it holds the cell's lock, and changes cells only while it holds
 // those of all cells around. Where another one holds a lock, it does not wait,
-// but leaves the point as it is.
+// but gives the point up for now.
 class PointInserter {
  public:
   // \param number  from 0 on; inserters that work at once have different ones

@@ -25,7 +25,7 @@ constexpr size_t kCellsPerPoint = 7;
 // Cells that an inserter has at hand: more than most insertions need.
 constexpr size_t kSpareCells = 1024;
 
-// Points that are worth several threads, and a task. Choices.
+// Points that several threads share, and of a task, at least. Choices.
 constexpr size_t kMinSharedPoints = 1024;
 constexpr size_t kTaskPoints = 128;
 
@@ -52,11 +52,11 @@ void MoveCells(size_t num_cells, std::vector<uint32_t>* from,
   from->resize(kept);
 }
 
-// An inserter of a thread, and what it could not insert.
+// A thread with its inserter.
 struct Worker {
   PointInserter inserter;
-  size_t num_inserted = 0;  // since the last report
-  std::vector<uint32_t> left_over;
+  size_t num_inserted = 0;          // since the last report
+  std::vector<uint32_t> left_over;  // points that it could not insert
 };
 
 // \param points       ascending
@@ -131,8 +131,8 @@ void PointInserter::Unlock(uint32_t cell) const {
   LockOf(cell).store(GrowingComplex::kUnlocked, std::memory_order_release);
 }
 
-// \return the vertex before the point, if there is one, or the one after it:
-//         points of nearby numbers are near each other
+// \return the last vertex before the point, or else the first one after it:
+//         points with close numbers are close to each other
 uint32_t PointInserter::FindStart(uint32_t point) const {
   uint32_t vertex = point;
   while (vertex > 0 && CellOf(vertex) == kNone) {
@@ -203,7 +203,7 @@ bool PointInserter::Insert(uint32_t point) {
 
 // Locks the cells of the cavity and beside it.
 // \param cell  contains the point, locked
-// \return whether no other inserter holds one
+// \return whether no other inserter holds any of them
 bool PointInserter::FindCavity(uint32_t point, uint32_t cell) {
   boundary_.clear();
   beside_.clear();

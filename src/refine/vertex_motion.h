@@ -44,7 +44,7 @@ class NormalEquations {
   // times the photometric part of the matrix, from one vector of random signs
   // [Hutchinson1990]. Each by itself estimates its element of the diagonal,
   // with much noise. 0 where a vertex has no smoothness. It needs a more exact
-  // solution than a step does, as next to nothing is determined of planes.
+  // solution than a step does: on planes the images determine next to nothing.
   std::vector<double> Determined(const SolverOptions& options = {
                                      kSolverTolerance / 3, 300}) const;
 
