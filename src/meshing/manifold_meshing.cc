@@ -30,7 +30,7 @@ WeightedCloud Prepare(const ManifoldMeshingOptions& options, PointCloud cloud,
     cropped = CropCloud(*options.region, views, &weighted);
     report->num_outside_points = report->num_points - weighted.num_points;
     if (weighted.num_points == 0) {
-      throw std::invalid_argument("no point lies in the region");
+      throw std::invalid_argument("no point lies in the region: enlarge it");
     }
   }
   if (options.drop_weaker_layers) {

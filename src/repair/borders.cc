@@ -131,7 +131,7 @@ Provenance TrimAndCloseHoles(const BorderOptions& options,
       surface->Become(std::move(trimmed));
     } else if (!options.is_trim_optional) {
       throw std::invalid_argument(
-          "no face is confident enough: a lower trim drops less");
+          "no face is confident enough: lower min_confidence");
     }
   }
   if (options.close_holes != 0) {
