@@ -92,7 +92,7 @@ Tetrahedralization Tetrahedralize(std::vector<Eigen::Vector3f> points,
   Report(progress, kTriangulatingStage, 0);
   const size_t num_points = points.size();
   if (num_points < 4) {
-    throw std::invalid_argument("fewer than four points: lower max_proj_dist");
+    throw std::invalid_argument("too few points to mesh: lower max_proj_dist");
   }
   GrowingComplex complex;
   complex.points = std::move(points);
