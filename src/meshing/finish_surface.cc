@@ -128,7 +128,7 @@ void MakeManifold(const ManifoldMeshingOptions& options,
                                        views, &result->report);
   if (surface.mesh.facets.empty()) {
     throw std::invalid_argument(
-        "the points and views enclose no surface to mesh: take a larger region");
+        "the points and views enclose no surface to mesh: enlarge the region");
   }
   const std::vector<float> supports =
       MeansOfSources(points.supports, surface.from.vertices, 0);
