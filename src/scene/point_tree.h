@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -9,13 +10,14 @@
 
 namespace colmap_ext {
 
-// Finds the nearest of many points by a k-d tree [Bentley1975], which is built
-// in parallel. Searches may run in parallel, too.
+// Finds the nearest of many points by a k-d tree [Bentley1975], nanoflann's.
+// Searches may run in parallel.
 class PointTree {
  public:
-  // \param points  [P], any frame
-  // \pre the points are finite, fewer than 2^32
+  // \param points  [P], any frame; not copied
+  // \pre the points are finite, fewer than 2^32, and outlive the tree
   explicit PointTree(std::span<const Eigen::Vector3f> points);
+  ~PointTree();
 
   // Returns the indices of the points nearest to a place, at most `count`, the
   // nearest first, none of them farther away than max_distance (units of the
@@ -24,23 +26,15 @@ class PointTree {
   std::vector<uint32_t> Nearest(const Eigen::Vector3f& place, size_t count,
                                 float max_distance) const;
 
-  // Returns the points that are nearer to a place than a distance, in an order
-  // that depends on the points and the place alone.
+  // Returns the points that are nearer to a place than a distance, up to
+  // rounding, in an order that depends on the points and the place alone.
   std::vector<uint32_t> Within(const Eigen::Vector3f& place,
                                float distance) const;
 
  private:
-  // A node has the points begin ... end - 1. Few of them are a leaf; others are
-  // split by the middle one, along an axis, into those before and after it.
-  void Build(std::span<const Eigen::Vector3f> points, uint32_t begin,
-             uint32_t end);
-  template <typename Found>
-  void Search(const Eigen::Vector3f& place, uint32_t begin, uint32_t end,
-              Eigen::Vector3f outside, Found* found) const;
+  struct Index;
 
-  std::vector<Eigen::Vector3f> points_;  // [P] node by node
-  std::vector<uint32_t> indices_;        // [P] that the points had
-  std::vector<uint8_t> axes_;            // [P] of nodes, at their middles
+  std::unique_ptr<const Index> index_;  // none without points
 };
 
 }  // namespace colmap_ext
