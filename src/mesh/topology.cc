@@ -1,7 +1,7 @@
 #include "mesh/topology.h"
 
 #include <algorithm>
-#include <iterator>
+#include <atomic>
 #include <utility>
 #include <vector>
 
@@ -11,8 +11,13 @@
 namespace colmap_ext {
 namespace {
 
-bool HasInvalidIndex(const TriangleMesh& mesh, const Facet& facet) {
-  return std::ranges::max(facet) >= mesh.vertices.size();
+// For several threads.
+template <typename T>
+void Add(T number, size_t* count) {
+  if (number != 0) {
+    std::atomic_ref(*count).fetch_add(static_cast<size_t>(number),
+                                      std::memory_order_relaxed);
+  }
 }
 
 class Analyzer {
@@ -23,92 +28,86 @@ class Analyzer {
       : facets_(facets),
         report_(*report),
         components_(facets.size()),
-        loops_(num_vertices),
-        is_at_border_(num_vertices, false) {}
+        loops_(num_vertices) {}
 
   void Run() {
-    size_t num_used = 0;
-    ForEachVertex(facets_,
-                  [&](uint32_t vertex, const std::vector<HalfEdgeTo>& halves) {
-                    num_used += halves.empty() ? 0 : 1;
-                    bool is_singular = !IsOneFan(vertex, halves);
-                    ForEachNeighbor(halves, [&](auto first, auto last) {
-                      is_singular |= last - first > 2;
-                      if (first->first > vertex) {
-                        CountEdge(vertex, first, last);
-                      }
-                    });
-                    report_.num_singular_vertices += is_singular ? 1 : 0;
-                  });
-    report_.num_unreferenced_vertices = is_at_border_.size() - num_used;
-    for (uint32_t facet = 0; facet < facets_.size(); ++facet) {
-      report_.num_components += components_.Find(facet) == facet;
-    }
-    for (uint32_t vertex = 0; vertex < is_at_border_.size(); ++vertex) {
-      report_.num_border_loops +=
-          is_at_border_[vertex] && loops_.Find(vertex) == vertex;
-    }
+    // Of those there may be, joins take away.
+    report_.num_components = facets_.size();
+    report_.num_unreferenced_vertices = report_.num_vertices;
+    ForEachVertex<true>(
+        facets_, [&](uint32_t vertex, const std::vector<HalfEdgeTo>& halves) {
+          bool is_singular = !IsOneFan(vertex, halves);
+          bool is_at_border = false;
+          size_t num_edges = 0;
+          ForEachNeighbor(halves, [&](auto first, auto last) {
+            is_singular |= last - first > 2;
+            is_at_border |= last - first == 1;
+            if (first->first > vertex) {
+              ++num_edges;
+              CountEdge(vertex, first, last);
+            }
+          });
+          Add(num_edges, &report_.num_edges);
+          Add(is_singular, &report_.num_singular_vertices);
+          Add(is_at_border, &report_.num_border_loops);
+          Add(halves.empty() ? 0 : -1, &report_.num_unreferenced_vertices);
+        });
   }
 
  private:
   // Whether edges connect all facets at a vertex.
   bool IsOneFan(uint32_t vertex, const std::vector<HalfEdgeTo>& halves) {
-    fan_.clear();
+    std::vector<uint32_t> fan;  // facets, ascending
     for (const auto& [other, half] : halves) {
       if (FromVertex(facets_, half) == vertex) {
-        fan_.push_back(half / 3);
+        fan.push_back(half / 3);
       }
     }
-    std::ranges::sort(fan_);
-    const auto place = [&](uint32_t half) { return IndexOf(fan_, half / 3); };
-    UnionFind fans(fan_.size());
+    std::ranges::sort(fan);
+    const auto place = [&](uint32_t half) { return IndexOf(fan, half / 3); };
+    UnionFind fans(fan.size());
+    size_t num_fans = fan.size();
     ForEachNeighbor(halves, [&](auto first, auto last) {
       for (auto half = first; half != last; ++half) {
-        fans.Join(place(first->second), place(half->second));
+        num_fans -= fans.Join(place(first->second), place(half->second));
       }
     });
-    size_t num_fans = 0;
-    for (uint32_t i = 0; i < fan_.size(); ++i) {
-      num_fans += fans.Find(i) == i;
-    }
     return num_fans <= 1;
   }
 
   // \param first, last  half-edges between a vertex and a higher one
   template <typename Iterator>
   void CountEdge(uint32_t vertex, Iterator first, Iterator last) {
-    ++report_.num_edges;
     size_t forward = 0;
-    apexes_.clear();
+    std::vector<uint32_t> apexes;
     for (auto half = first; half != last; ++half) {
       forward += FromVertex(facets_, half->second) == vertex;
-      components_.Join(first->second / 3, half->second / 3);
+      const bool joins = components_.Join(first->second / 3, half->second / 3);
+      Add(joins ? -1 : 0, &report_.num_components);
       const uint32_t apex = FromVertex(facets_, PreviousHalfEdge(half->second));
       // A facet is looked at once, along its first edge.
       if (apex > first->first) {
-        apexes_.push_back(apex);
+        apexes.push_back(apex);
       }
     }
-    std::ranges::sort(apexes_);
-    report_.num_duplicate_facets += static_cast<size_t>(
-        apexes_.end() - std::unique(apexes_.begin(), apexes_.end()));
+    std::ranges::sort(apexes);
+    Add(apexes.end() - std::unique(apexes.begin(), apexes.end()),
+        &report_.num_duplicate_facets);
     const auto num_facets = static_cast<size_t>(last - first);
     if (num_facets == 1) {
-      ++report_.num_border_edges;
-      is_at_border_[vertex] = is_at_border_[first->first] = true;
-      loops_.Join(vertex, first->first);
+      Add(1, &report_.num_border_edges);
+      Add(loops_.Join(vertex, first->first) ? -1 : 0,
+          &report_.num_border_loops);
     }
-    report_.num_non_manifold_edges += num_facets > 2;
-    report_.num_misoriented_edges += forward > 1 || num_facets - forward > 1;
+    Add(num_facets > 2, &report_.num_non_manifold_edges);
+    Add(forward > 1 || num_facets - forward > 1,
+        &report_.num_misoriented_edges);
   }
 
   const std::vector<Facet>& facets_;
   MeshReport& report_;
-  UnionFind components_;            // of facets
-  UnionFind loops_;                 // of vertices, along the border
-  std::vector<bool> is_at_border_;  // [V]
-  std::vector<uint32_t> fan_;       // facets at a vertex, ascending
-  std::vector<uint32_t> apexes_;    // of facets at an edge
+  UnionFind components_;  // of facets
+  UnionFind loops_;       // of vertices, along the border
 };
 
 }  // namespace
@@ -139,22 +138,12 @@ MeshReport Analyze(const TriangleMesh& mesh) {
   for (const Eigen::Vector3f& vertex : mesh.vertices) {
     report.num_non_finite_vertices += !vertex.allFinite();
   }
-  std::vector<Facet> valid;  // where some are not
-  for (const Facet& facet : mesh.facets) {
-    const bool is_invalid = HasInvalidIndex(mesh, facet);
-    report.num_invalid_facets += is_invalid;
-    report.num_degenerate_facets += !is_invalid && RepeatsVertex(facet);
-  }
-  const bool are_valid =
-      report.num_invalid_facets + report.num_degenerate_facets == 0;
-  if (!are_valid) {
-    std::ranges::copy_if(
-        mesh.facets, std::back_inserter(valid), [&](const Facet& facet) {
-          return !HasInvalidIndex(mesh, facet) && !RepeatsVertex(facet);
-        });
-  }
-  Analyzer(are_valid ? mesh.facets : valid, mesh.vertices.size(), &report)
-      .Run();
+  std::vector<Facet> valid = mesh.facets;
+  report.num_invalid_facets = std::erase_if(valid, [&](const Facet& facet) {
+    return std::ranges::max(facet) >= mesh.vertices.size();
+  });
+  report.num_degenerate_facets = std::erase_if(valid, RepeatsVertex);
+  Analyzer(valid, mesh.vertices.size(), &report).Run();
   // Differences of counts may be negative.
   report.euler = static_cast<int64_t>(report.num_vertices + report.num_facets -
                                       report.num_edges);

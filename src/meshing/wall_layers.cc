@@ -32,7 +32,7 @@ constexpr uint32_t kSampling = 8;
 // places, of which about so many count.
 constexpr float kRadius = 32;
 constexpr size_t kMinPlaces = 24;
-constexpr size_t kNumCounted = 32;
+constexpr size_t kNumCounted = 64;
 
 // A part is flat where the smallest variance is at most this share of the next.
 // Two layers 15 px apart have 0.22.
