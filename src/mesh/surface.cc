@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include <tbb/parallel_for.h>
+
 #include "mesh/adjacency.h"
 #include "scene/point_tree.h"
 
@@ -68,11 +70,13 @@ MeshPart TakePart(const TriangleMesh& mesh, std::vector<uint32_t> facets) {
   for (const uint32_t vertex : part.vertices) {
     part.mesh.vertices.push_back(mesh.vertices[vertex]);
   }
-  for (const uint32_t i : part.facets) {
-    for (uint32_t& vertex : part.mesh.facets.emplace_back(mesh.facets[i])) {
-      vertex = IndexOf(part.vertices, vertex);
+  part.mesh.facets.resize(part.facets.size());
+  tbb::parallel_for(size_t{0}, part.facets.size(), [&](size_t i) {
+    for (size_t k = 0; k < 3; ++k) {
+      part.mesh.facets[i][k] =
+          IndexOf(part.vertices, mesh.facets[part.facets[i]][k]);
     }
-  }
+  });
   return part;
 }
 

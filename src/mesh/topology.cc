@@ -56,22 +56,21 @@ class Analyzer {
 
  private:
   // Whether edges connect all facets at a vertex.
-  bool IsOneFan(uint32_t vertex, const std::vector<HalfEdgeTo>& halves) {
-    std::vector<uint32_t> fan;  // facets, ascending
+  bool IsOneFan(uint32_t vertex, const std::vector<HalfEdgeTo>& halves) const {
+    std::vector<uint32_t> neighbors;
+    for (const auto& [other, half] : halves) {
+      neighbors.push_back(other);
+    }
+    SortUnique(&neighbors);
+    size_t num_fans = neighbors.size();
+    UnionFind fans(num_fans);
     for (const auto& [other, half] : halves) {
       if (FromVertex(facets_, half) == vertex) {
-        fan.push_back(half / 3);
+        const uint32_t third = FromVertex(facets_, PreviousHalfEdge(half));
+        num_fans -=
+            fans.Join(IndexOf(neighbors, other), IndexOf(neighbors, third));
       }
     }
-    std::ranges::sort(fan);
-    const auto place = [&](uint32_t half) { return IndexOf(fan, half / 3); };
-    UnionFind fans(fan.size());
-    size_t num_fans = fan.size();
-    ForEachNeighbor(halves, [&](auto first, auto last) {
-      for (auto half = first; half != last; ++half) {
-        num_fans -= fans.Join(place(first->second), place(half->second));
-      }
-    });
     return num_fans <= 1;
   }
 

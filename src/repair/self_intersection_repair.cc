@@ -205,8 +205,10 @@ std::vector<uint8_t> MarkAround(const TriangleMesh& mesh,
   std::vector<uint8_t> is_marked(mesh.facets.size());
   std::vector<uint32_t> marked = facets;
   for (int ring = 0; ring <= num_rings; ++ring) {
-    for (const uint32_t vertex : VerticesOf(mesh, marked)) {
-      is_reached[vertex] = 1;
+    for (const uint32_t i : marked) {
+      for (const uint32_t vertex : mesh.facets[i]) {
+        is_reached[vertex] = 1;
+      }
     }
     tbb::parallel_for(size_t{0}, is_marked.size(), [&](size_t i) {
       const auto& [a, b, c] = mesh.facets[i];

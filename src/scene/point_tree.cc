@@ -27,7 +27,6 @@ PointTree::PointTree(std::span<const Vector3f> points)
 
 void PointTree::Build(std::span<const Vector3f> points, uint32_t begin,
                       uint32_t end) {
-  constexpr uint32_t kMinParallel = 4096;  // points; a choice
   Eigen::AlignedBox3f box;
   for (uint32_t i = begin; i < end; ++i) {
     points_[i] = points[indices_[i]];
@@ -47,14 +46,8 @@ void PointTree::Build(std::span<const Vector3f> points, uint32_t begin,
                    });
   points_[middle] = points[indices_[middle]];
   axes_[middle] = static_cast<uint8_t>(axis);
-  const auto build_lower = [&] { Build(points, begin, middle); };
-  const auto build_upper = [&] { Build(points, middle + 1, end); };
-  if (end - begin < kMinParallel) {
-    build_lower();
-    build_upper();
-  } else {
-    tbb::parallel_invoke(build_lower, build_upper);
-  }
+  tbb::parallel_invoke([&] { Build(points, begin, middle); },
+                       [&] { Build(points, middle + 1, end); });
 }
 
 // \param outside  how far the place lies from the node's points along each

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include "base/indices.h"
 #include "formats/picture_files.h"
@@ -296,12 +297,11 @@ PointCloud FilterCloud(PlyCloud cloud, Visibility visibility, size_t num_images,
   report->num_out_of_range = CountOutOfRange(visibility, num_images);
   PointCloud filtered{std::move(cloud.positions), std::move(cloud.colors),
                       std::move(visibility)};
+  tbb::parallel_for(size_t{0}, filtered.views.size(),
+                    [&](size_t i) { std::ranges::sort(filtered.views[i]); });
   const auto edit = [&](size_t point,
                         std::span<uint32_t> row) -> std::optional<size_t> {
-    const auto end = std::remove_if(
-        row.begin(), row.end(),
-        [num_images](uint32_t index) { return index >= num_images; });
-    std::sort(row.begin(), end);
+    const auto end = std::ranges::lower_bound(row, num_images);
     const auto unique_end = std::unique(row.begin(), end);
     report->num_with_repeats += unique_end != end;
     if (!IsMeasurable(filtered.positions[point])) {

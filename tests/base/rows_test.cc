@@ -9,7 +9,6 @@
 
 #include "base/indices.h"
 #include "base/percentile.h"
-#include "base/union_find.h"
 #include "tests/random.h"
 
 namespace colmap_ext::rows_test {
@@ -74,27 +73,6 @@ TEST(IndexOf, FindsWhatIsThere) {
   EXPECT_EQ(IndexOf(values, 7), 2u);
   for (const int value : {1, 5, 8}) {
     EXPECT_EQ(IndexOf(values, value), kNone);
-  }
-}
-
-// Against labels that are all rewritten at each join.
-TEST(UnionFind, NamesEachSetByItsLowest) {
-  constexpr uint32_t kSize = 200;
-  Random random(1);
-  UnionFind sets(kSize);
-  std::vector<uint32_t> labels = Iota(kSize);
-  for (uint32_t i = 0; i < kSize; ++i) {
-    EXPECT_EQ(sets.Find(i), i);
-  }
-  for (int join = 0; join < 180; ++join) {
-    const uint32_t a = random.Below(kSize);
-    const uint32_t b = random.Below(kSize);
-    sets.Join(a, b);
-    const auto [low, high] = std::minmax(labels[a], labels[b]);
-    std::replace(labels.begin(), labels.end(), uint32_t{high}, uint32_t{low});
-    for (uint32_t i = 0; i < kSize; ++i) {
-      ASSERT_EQ(sets.Find(i), labels[i]);
-    }
   }
 }
 

@@ -14,7 +14,8 @@ constexpr uint32_t kNumQuads = 8;  // along each side, one scene unit each
 // A sheet ten units before cameras whose pixels are 10 / focal_length of a unit
 // on it.
 RefinementTile Estimate(double focal_length, double max_memory_gb,
-                        size_t num_views = 2, double max_face_area = 7) {
+                        size_t num_views = 2, double max_face_area = 7,
+                        RefinerOptions options = {}) {
   Surface surface{MakeSheet(kNumQuads, kNumQuads), {}};
   for (size_t i = 0; i < surface.mesh.vertices.size(); ++i) {
     surface.attributes.views.AddRow(Iota(static_cast<uint32_t>(num_views)));
@@ -22,7 +23,6 @@ RefinementTile Estimate(double focal_length, double max_memory_gb,
   View view{"", 4000, 3000};
   view.fx = view.fy = focal_length;
   view.cam_from_world_translation.z() = 10;
-  RefinerOptions options;
   options.max_memory_gb = max_memory_gb;
   options.refinement.max_face_area = max_face_area;
   return EstimateRun(surface, std::vector<View>(num_views, view), options);
@@ -52,6 +52,23 @@ TEST(EstimateRun, TakesImagesUpToWhatIsKeptAndOneForEachThread) {
   EXPECT_GT(two.thread_gb, 4 * kPixelsGb);
   EXPECT_GT(less.thread_gb, two.thread_gb);
   EXPECT_GT(Estimate(1000, kEnoughGb, 12).core_seconds, two.core_seconds);
+}
+
+TEST(EstimateRun, TakesLessTimeForLessWork) {
+  const auto seconds = [](int levels, int iterations, int final_pairs) {
+    RefinerOptions options;
+    options.refinement.levels = levels;
+    options.refinement.iterations = iterations;
+    options.refinement.labeling.final_pairs_per_facet = final_pairs;
+    return Estimate(1000, kEnoughGb, 2, 7, options).core_seconds;
+  };
+  const double usual = Estimate(1000, kEnoughGb).core_seconds;
+  EXPECT_NEAR(seconds(3, 10, 18) / usual, 1, 0.02);
+  // As measured (docs/large-scenes.md).
+  EXPECT_NEAR(seconds(1, 10, 18) / usual, 0.77, 0.05);
+  EXPECT_NEAR(seconds(3, 3, 18) / usual, 0.85, 0.05);
+  EXPECT_NEAR(seconds(3, 10, 0) / usual, 0.70, 0.05);
+  EXPECT_NEAR(seconds(3, 1000, 18) / usual, 1, 0.02);
 }
 
 TEST(MaxMemoryGb, IsAPartOfTheMachine) {
