@@ -10,7 +10,7 @@
 namespace colmap_ext {
 
 // Disjoint sets of indices. The representative of a set is its lowest index.
-// Threads may join and find at the same time.
+// Threads may join and find at the same time [Anderson1991].
 class UnionFind {
  public:
   explicit UnionFind(size_t size) : parents_(size) {
