@@ -21,7 +21,7 @@ inline constexpr double kDiskGbPerFacet = 1e-7;
 double MaxMemoryGb(const RefinerOptions& options);
 
 // Sets what the job that refines a tile takes by its facets: its memory, that
-// of each of its threads, and its time.
+// of each of its threads, and its time by the default options.
 // \param views  that see the tile, as they are compared.
 // \param num_threads  that share max_memory_gb.
 void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,

@@ -57,11 +57,10 @@ class Analyzer {
  private:
   // Whether edges connect all facets at a vertex.
   bool IsOneFan(uint32_t vertex, const std::vector<HalfEdgeTo>& halves) const {
-    std::vector<uint32_t> neighbors;
-    for (const auto& [other, half] : halves) {
-      neighbors.push_back(other);
-    }
-    SortUnique(&neighbors);
+    std::vector<uint32_t> neighbors;  // ascending
+    ForEachNeighbor(halves, [&](auto first, auto /*last*/) {
+      neighbors.push_back(first->first);
+    });
     size_t num_fans = neighbors.size();
     UnionFind fans(num_fans);
     for (const auto& [other, half] : halves) {

@@ -29,7 +29,7 @@ using Eigen::Vector3f;
 constexpr uint32_t kSampling = 8;
 
 // The part of a wall around a place has this radius and at least so many
-// places, of which about so many count.
+// places, of which at most so many count.
 constexpr float kRadius = 32;
 constexpr size_t kMinPlaces = 24;
 constexpr size_t kNumCounted = 64;

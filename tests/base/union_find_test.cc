@@ -13,6 +13,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext::union_find_test {
+
 // Against labels that are all rewritten at each join.
 TEST(UnionFind, NamesEachSetByItsLowest) {
   constexpr uint32_t kSize = 200;

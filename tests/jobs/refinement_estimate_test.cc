@@ -64,7 +64,7 @@ TEST(EstimateRun, TakesLessTimeForLessWork) {
   };
   const double usual = Estimate(1000, kEnoughGb).core_seconds;
   EXPECT_NEAR(seconds(3, 10, 18) / usual, 1, 0.02);
-  // As measured (docs/large-scenes.md).
+  // As measured (docs/experiments.md, "Time by options").
   EXPECT_NEAR(seconds(1, 10, 18) / usual, 0.77, 0.05);
   EXPECT_NEAR(seconds(3, 3, 18) / usual, 0.85, 0.05);
   EXPECT_NEAR(seconds(3, 10, 0) / usual, 0.70, 0.05);
