@@ -1,8 +1,8 @@
 #include "colmap_ext/jobs/refinement_estimate.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include <tbb/task_arena.h>
 
@@ -108,8 +108,7 @@ void EstimateJobs(const Surface& surface, const TileCells& cells,
 RefinementTile EstimateRun(const Surface& surface,
                            const std::vector<View>& views,
                            const RefinerOptions& options) {
-  const auto far =
-      Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity()).eval();
+  const Eigen::Vector3f far = Eigen::Vector3f::Constant(HUGE_VALF);
   std::vector<RefinementTile> all(1);
   EstimateJobs(surface, {{-far, far}}, views, options, kUsualGbPerFacet, &all);
   return all[0];

@@ -97,20 +97,21 @@ class PlaneCut {
   std::unordered_map<uint64_t, uint32_t> cut_edges_;  // inner, outer end
 };
 
-// A region of dropped facets. Its rim are the edges that it shares with kept
-// facets; its other outer edges belong to the mesh's border.
+// Whether the normals of two area vectors differ by no more than 26 degrees.
+bool AreAlong(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  constexpr double kMinCosine = 0.9;
+  return a.dot(b) >= kMinCosine * a.norm() * b.norm();
+}
+
+// A region of dropped facets without creases. Its rim are the edges that it
+// shares with kept facets; its other outer edges are creases or belong to the
+// mesh's border.
 struct DroppedRegion {
   Eigen::Vector3d area = Eigen::Vector3d::Zero();  // sum of area vectors
   double size = 0;                                 // sum of their lengths
   double rim = 0;                                  // length
   double aligned = 0;  // length of the rim where the kept facets lie along it
-  double border = 0;   // length
-
-  // Whether a kept facet has nearly the normal of the region.
-  bool IsAlong(const Eigen::Vector3d& kept_area) const {
-    constexpr double kMinCosine = 0.9;  // 26 degrees
-    return area.dot(kept_area) >= kMinCosine * area.norm() * kept_area.norm();
-  }
+  double border = 0;   // length of the other edges
 
   // See KeepContinuations(). An enclosed region is rarely a membrane.
   bool Continues() const {
@@ -164,12 +165,11 @@ std::optional<Provenance> CutOff(const Region& region, Surface* surface) {
 }
 
 UnionFind JoinFacets(const std::vector<uint32_t>& partners,
-                     const std::vector<uint8_t>& marks) {
-  UnionFind pieces(marks.size());
+                     const std::function<bool(uint32_t, uint32_t)>& joins) {
+  UnionFind pieces(partners.size() / 3);
   for (uint32_t half = 0; half < partners.size(); ++half) {
     const uint32_t partner = partners[half];
-    if (partner != kNone && partner < half &&
-        marks[half / 3] == marks[partner / 3]) {
+    if (partner != kNone && partner < half && joins(half / 3, partner / 3)) {
       pieces.Join(half / 3, partner / 3);
     }
   }
@@ -183,8 +183,11 @@ void KeepContinuations(const TriangleMesh& mesh,
   const auto area_of = [&](uint32_t facet) -> Eigen::Vector3d {
     return AreaVector(mesh, facets[facet]).cast<double>();
   };
-  UnionFind pieces = JoinFacets(partners, *is_dropped);
   const std::vector<uint32_t> dropped = Marked(*is_dropped);
+  UnionFind pieces = JoinFacets(partners, [&](uint32_t a, uint32_t b) {
+    return (*is_dropped)[a] != 0 && (*is_dropped)[b] != 0 &&
+           AreAlong(area_of(a), area_of(b));
+  });
   std::map<uint32_t, DroppedRegion> regions;  // by representatives
   for (const uint32_t facet : dropped) {
     DroppedRegion& region = regions[pieces.Find(facet)];
@@ -198,11 +201,13 @@ void KeepContinuations(const TriangleMesh& mesh,
                              mesh.vertices[FromVertex(facets, half)])
                                 .norm();
       const uint32_t partner = partners[half];
-      if (partner == kNone) {
-        region.border += length;
-      } else if ((*is_dropped)[partner / 3] == 0) {
+      if (partner != kNone && (*is_dropped)[partner / 3] == 0) {
         region.rim += length;
-        region.aligned += region.IsAlong(area_of(partner / 3)) ? length : 0;
+        region.aligned +=
+            AreAlong(region.area, area_of(partner / 3)) ? length : 0;
+      } else if (partner == kNone ||
+                 pieces.Find(partner / 3) != pieces.Find(facet)) {
+        region.border += length;
       }
     }
   }
@@ -217,17 +222,16 @@ size_t DropLongFacets(double factor, double percentile, TriangleMesh* mesh) {
   if (factor <= 0 || mesh->facets.empty()) {
     return 0;
   }
-  const auto longest_side = [mesh](const Facet& facet) {
-    const auto [a, b, c] = CornersOf(*mesh, facet);
-    return std::max({(a - b).norm(), (b - c).norm(), (c - a).norm()});
-  };
-  std::vector<float> sides(mesh->facets.size());
-  std::ranges::transform(mesh->facets, sides.begin(), longest_side);
-  const double limit = factor * Percentile(percentile, &sides);
-  std::vector<uint8_t> is_dropped;
+  std::vector<float> sides;  // [F] the longest
   for (const Facet& facet : mesh->facets) {
-    is_dropped.push_back(!(longest_side(facet) <= limit));
+    const auto [a, b, c] = CornersOf(*mesh, facet);
+    sides.push_back(std::max({(a - b).norm(), (b - c).norm(), (c - a).norm()}));
   }
+  std::vector<float> sorted = sides;
+  const double limit = factor * Percentile(percentile, &sorted);
+  std::vector<uint8_t> is_dropped(sides.size());
+  std::ranges::transform(sides, is_dropped.begin(),
+                         [=](float side) { return !(side <= limit); });
   KeepContinuations(*mesh, PairHalfEdges(mesh->facets), &is_dropped);
   return std::erase_if(mesh->facets, [&](const Facet& facet) {
     return is_dropped[&facet - mesh->facets.data()] != 0;
@@ -239,7 +243,7 @@ size_t DropSmallComponents(size_t min_facets, std::vector<Facet>* facets) {
     return 0;
   }
   UnionFind components = JoinFacets(PairHalfEdges(*facets),
-                                    std::vector<uint8_t>(facets->size(), 0));
+                                    [](uint32_t, uint32_t) { return true; });
   std::vector<uint32_t> sizes(facets->size(), 0);
   for (uint32_t i = 0; i < facets->size(); ++i) {
     ++sizes[components.Find(i)];

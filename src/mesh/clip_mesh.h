@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -26,16 +27,15 @@ std::optional<Provenance> ClipMesh(const Region& region, TriangleMesh* mesh);
 // The same for a manifold surface, which stays manifold.
 std::optional<Provenance> CutOff(const Region& region, Surface* surface);
 
-// Joins facets of the same mark that share an edge.
+// Joins facets that share an edge, where joins(facet, other).
 // \param partners [3 F] see PairHalfEdges()
-// \param marks [F]
 UnionFind JoinFacets(const std::vector<uint32_t>& partners,
-                     const std::vector<uint8_t>& marks);
+                     const std::function<bool(uint32_t, uint32_t)>& joins);
 
 // Keeps the regions of dropped facets that continue the surface around them: a
-// region is flat, coplanar with the kept facets along most of its rim, and its
-// rim is longer than its part of the mesh's border (docs/method.md, 3.8). A
-// membrane across the sky or an opening bends at its rim.
+// region ends at creases, is flat, coplanar with the kept facets along most of
+// its rim, and its rim is longer than its other outer edges (docs/method.md,
+// 3.8). A membrane across the sky or an opening bends at its rim.
 // \param partners [3 F] see PairHalfEdges()
 // \param is_dropped [F] 1 or 0
 void KeepContinuations(const TriangleMesh& mesh,

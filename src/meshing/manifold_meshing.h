@@ -70,7 +70,7 @@ struct ManifoldMeshingOptions {
   // the given percentile of all facets' sides. A factor of zero keeps every
   // facet. The percentile is in [0, 100]; COLMAP's default. COLMAP's factor is
   // 25; our sides are less uneven, and shorter at that percentile.
-  double max_side_length_factor = 30.0;
+  double max_side_length_factor = 20.0;
   double max_side_length_percentile = 95.0;
 
   // Connected components of fewer facets are dropped. 0 or more.

@@ -33,11 +33,10 @@ void ImproveFacets(RefinedMesh* state) {
       return;
     }
     // The surroundings of what crosses are left as they are.
-    std::vector<uint32_t> crossing;
-    for (const FacetPair& pair : FindSelfIntersections(improved.mesh)) {
-      for (const uint32_t facet : pair) {
-        crossing.push_back(improved.facet_sources[facet]);
-      }
+    std::vector<FacetPair> crossing = FindSelfIntersections(improved.mesh);
+    for (auto& [a, b] : crossing) {
+      a = improved.facet_sources[a];
+      b = improved.facet_sources[b];
     }
     is_left_alone.resize(state->mesh.vertices.size(), 0);
     const std::vector<uint32_t> around =

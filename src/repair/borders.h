@@ -24,18 +24,16 @@ struct TrimmedMesh : DerivedMesh {  // manifold, its facets in their order
 // Drops the parts of low confidence from a surface (docs/method.md, section
 // 3.8).
 //
-// What is left is the closing of the confident surface, a morphological one
-// along the surface: facets within the gap width of it are added, then those
-// within the gap width of what is still left out, or of the mesh's border, are
-// taken away again. So a gap between two confident sides is kept if it is
-// narrower than two gap widths, a membrane is not, and nothing is added along
-// the outer border. Flat regions that continue the surface around them are
-// kept, see KeepContinuations(). Pieces that this cuts off and that lie within
-// the gap width of their own border are dropped, too, and so are pieces smaller
-// than a disk of the gap width, but for the largest; facets count with the
-// squares of their confidences, or of front_shares of these. The borders that
-// this opens are smoothed along themselves; no other vertex moves. Where
-// nothing is dropped the mesh is not changed.
+// What is left are the confident facets and the gaps between them that are
+// narrower than two gap widths: a closing along the surface, without the webs
+// that a plain one leaves in corners. Nothing is added along the outer border.
+// Flat regions that continue the surface around them are kept, see
+// KeepContinuations(). Pieces that this cuts off and that lie within the gap
+// width of their own border are dropped, too, and so are pieces smaller than a
+// disk of the gap width, but for the largest; facets count with the squares of
+// their confidences, or of front_shares of these. The borders that this opens
+// are smoothed along themselves; no other vertex moves. Where nothing is
+// dropped the mesh is not changed.
 //
 // \param min_confidence  0: drops nothing
 // \param facet_confidences [F] in [0, 1]

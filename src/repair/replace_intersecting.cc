@@ -6,7 +6,6 @@
 #include "repair/borders.h"
 #include "repair/guarded_mesh.h"
 #include "repair/self_intersection_repair.h"
-#include "spatial/self_intersections.h"
 
 namespace colmap_ext {
 namespace {
@@ -16,16 +15,16 @@ namespace {
 constexpr size_t kMaxReplacedPairs = 256;
 constexpr int kMaxReplacedRings = 2;
 
-// Drops facets and the rings around them, and closes the holes.
+// Drops pairs of facets and the rings around them, and closes the holes.
 // \param was_border [V]
 // \param from  gets where the surface comes from
 // \return the number of holes that are left
-size_t Replace(const std::vector<uint32_t>& facets, int num_rings,
+size_t Replace(const std::vector<FacetPair>& pairs, int num_rings,
                const std::vector<uint8_t>& was_border, Surface* surface,
                Provenance* from) {
   const FixedVertices fixed = FixedOf(surface->fixed_sources);
   const std::vector<uint8_t> is_dropped =
-      MarkAround(surface->mesh, facets, num_rings);
+      MarkAround(surface->mesh, pairs, num_rings);
   TriangleMesh kept{surface->mesh.vertices, {}};
   from->facets.clear();
   for (uint32_t i = 0; i < is_dropped.size(); ++i) {
@@ -51,10 +50,6 @@ size_t Replace(const std::vector<uint32_t>& facets, int num_rings,
 
 Provenance ReplaceIntersecting(const std::vector<FacetPair>& pairs,
                                Surface* surface) {
-  std::vector<uint32_t> facets;
-  for (const FacetPair& pair : pairs) {
-    Append(pair, &facets);
-  }
   const Provenance identity = IdentityOf(surface->mesh);
   const std::vector<uint8_t> was_border =
       MakeVertexRings(surface->mesh).is_border;
@@ -63,7 +58,7 @@ Provenance ReplaceIntersecting(const std::vector<FacetPair>& pairs,
   for (int num_rings = 0; num_rings <= kMaxReplacedRings && num_holes > 0;
        ++num_rings) {
     std::pair<Surface, Provenance> replaced(*surface, identity);
-    num_holes = Replace(facets, num_rings, was_border, &replaced.first,
+    num_holes = Replace(pairs, num_rings, was_border, &replaced.first,
                         &replaced.second);
     if (num_rings == 0 || num_holes == 0) {
       best = std::move(replaced);
@@ -83,8 +78,7 @@ Provenance FinishRepair(size_t* num_pairs, Surface* surface) {
     return pairs;
   };
   if (*num_pairs > 0 && *num_pairs <= kMaxReplacedPairs) {
-    const std::vector<FacetPair> pairs = find_pairs();
-    if (!pairs.empty()) {
+    if (const std::vector<FacetPair> pairs = find_pairs(); !pairs.empty()) {
       from = ReplaceIntersecting(pairs, surface);
     }
     *num_pairs = find_pairs().size();

@@ -120,16 +120,12 @@ class PatchRepair {
     if (pairs_.empty() || work_ > MaxWork()) {
       return;
     }
-    std::vector<uint32_t> crossing;
-    for (const FacetPair& pair : pairs_) {
-      Append(pair, &crossing);
-    }
     // Rings of vertices around the facets of a pair that may move.
     const int num_rings = end_round - 1;
     const std::vector<uint8_t> is_around =
-        MarkAround(mesh_, crossing, num_rings + 2);
+        MarkAround(mesh_, pairs_, num_rings + 2);
     std::vector<Box> boxes;  // where facets may move, and a little around
-    for (const uint32_t i : Marked(MarkAround(mesh_, crossing, num_rings))) {
+    for (const uint32_t i : Marked(MarkAround(mesh_, pairs_, num_rings))) {
       boxes.push_back(Widened(BoxOf(mesh_, i)));
     }
     while (!TryWithin(first_round, end_round, is_around, &boxes)) {
@@ -199,11 +195,14 @@ class PatchRepair {
 }  // namespace
 
 std::vector<uint8_t> MarkAround(const TriangleMesh& mesh,
-                                const std::vector<uint32_t>& facets,
+                                const std::vector<FacetPair>& pairs,
                                 int num_rings) {
   std::vector<uint8_t> is_reached(mesh.vertices.size());
   std::vector<uint8_t> is_marked(mesh.facets.size());
-  std::vector<uint32_t> marked = facets;
+  std::vector<uint32_t> marked;
+  for (const FacetPair& pair : pairs) {
+    Append(pair, &marked);
+  }
   for (int ring = 0; ring <= num_rings; ++ring) {
     for (const uint32_t i : marked) {
       for (const uint32_t vertex : mesh.facets[i]) {

@@ -4,6 +4,7 @@
 
 #include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
+#include "spatial/self_intersections.h"
 
 namespace colmap_ext {
 
@@ -52,11 +53,11 @@ void Unfold(TriangleMesh* mesh, const FixedVertices& fixed = {});
 // \pre the mesh is manifold
 Provenance FinishRepair(size_t* num_pairs, Surface* surface);
 
-// Marks all facets at the vertices within some rings of edges around facets.
-// Goes through all of the mesh once a ring, and needs no adjacency.
+// Marks all facets at the vertices within some rings of edges around pairs of
+// facets. Goes through all of the mesh once a ring, and needs no adjacency.
 // \return [F] 1: it is one of these
 std::vector<uint8_t> MarkAround(const TriangleMesh& mesh,
-                                const std::vector<uint32_t>& facets,
+                                const std::vector<FacetPair>& pairs,
                                 int num_rings);
 
 }  // namespace colmap_ext

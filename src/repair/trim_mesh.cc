@@ -1,6 +1,7 @@
 #include "repair/borders.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -26,10 +27,11 @@ struct LinkedMesh {
 };
 
 // The distances of vertices to the nearest source along edges: [V], each edge
-// in mean gap widths of its ends, infinity beyond 1.
+// in mean gap widths of its ends, infinity beyond `reach`.
 // \param is_source [V]
 std::vector<float> Distances(const LinkedMesh& surface,
-                             const std::vector<uint8_t>& is_source) {
+                             const std::vector<uint8_t>& is_source,
+                             float reach = 1) {
   std::vector<float> distances;
   for (const uint8_t source : is_source) {
     distances.push_back(source != 0 ? 0 : HUGE_VALF);
@@ -39,14 +41,15 @@ std::vector<float> Distances(const LinkedMesh& surface,
     const float width = (surface.gap_widths[from] + surface.gap_widths[to]) / 2;
     return (vertices[to] - vertices[from]).norm() / width;
   };
-  LowerAlongEdges(surface.rings, 1, cost, &distances);
+  LowerAlongEdges(surface.rings, reach, cost, &distances);
   return distances;
 }
 
-// Whether all corners of a facet are within the reach of Distances().
-bool IsReached(const std::vector<float>& distances, const Facet& facet) {
-  return distances[facet[0]] <= 1 && distances[facet[1]] <= 1 &&
-         distances[facet[2]] <= 1;
+// How many corners of a facet are within the reach of Distances().
+int NumReached(const std::vector<float>& distances, const Facet& facet) {
+  return static_cast<int>(std::ranges::count_if(facet, [&](uint32_t vertex) {
+    return std::isfinite(distances[vertex]);
+  }));
 }
 
 // [V] 1: a corner of one of the facets that have the mark
@@ -64,18 +67,20 @@ std::vector<uint8_t> MarkCorners(const TriangleMesh& mesh,
   return is_corner;
 }
 
-// Which facets are dropped: [F] the low ones that are not in the closing of the
-// others.
-std::vector<uint8_t> FindDropped(const LinkedMesh& surface,
-                                 const std::vector<uint8_t>& is_low) {
+// Which of the low facets are not in the closing of the others: [F]. Those
+// within `grown` gap widths of the others are added, those within `shrunk` of
+// what is still left out are taken away.
+std::vector<uint8_t> FindOpen(const LinkedMesh& surface,
+                              const std::vector<uint8_t>& is_low, float grown,
+                              float shrunk) {
   const std::vector<Facet>& facets = surface.mesh.facets;
   std::vector<float> distances =
-      Distances(surface, MarkCorners(surface.mesh, is_low, /*mark=*/0));
-  std::vector<uint8_t> is_outside(is_low.size());
+      Distances(surface, MarkCorners(surface.mesh, is_low, /*mark=*/0), grown);
+  std::vector<uint8_t> is_open(is_low.size());
   for (size_t i = 0; i < is_low.size(); ++i) {
-    is_outside[i] = is_low[i] != 0 && !IsReached(distances, facets[i]);
+    is_open[i] = is_low[i] != 0 && NumReached(distances, facets[i]) < 3;
   }
-  std::vector<uint8_t> is_source = MarkCorners(surface.mesh, is_outside);
+  std::vector<uint8_t> is_source = MarkCorners(surface.mesh, is_open);
   // Beyond a border nothing is known to be surface.
   for (uint32_t half = 0; half < surface.partners.size(); ++half) {
     if (surface.partners[half] == kNone && is_low[half / 3] != 0) {
@@ -83,15 +88,11 @@ std::vector<uint8_t> FindDropped(const LinkedMesh& surface,
       is_source[ToVertex(facets, half)] = 1;
     }
   }
-  distances = Distances(surface, is_source);
-  std::vector<uint8_t> is_dropped(is_low.size());
+  distances = Distances(surface, is_source, shrunk);
   for (size_t i = 0; i < is_low.size(); ++i) {
-    is_dropped[i] =
-        is_low[i] != 0 && std::ranges::any_of(facets[i], [&](uint32_t vertex) {
-          return distances[vertex] <= 1;
-        });
+    is_open[i] = is_low[i] != 0 && NumReached(distances, facets[i]) > 0;
   }
-  return is_dropped;
+  return is_open;
 }
 
 // Of what is left, drops the small pieces and those that were cut off and lie
@@ -101,7 +102,9 @@ std::vector<uint8_t> FindDropped(const LinkedMesh& surface,
 void AddLeftovers(const LinkedMesh& surface, const std::vector<float>& weights,
                   std::vector<uint8_t>* is_dropped) {
   const std::vector<Facet>& facets = surface.mesh.facets;
-  UnionFind pieces = JoinFacets(surface.partners, *is_dropped);
+  UnionFind pieces = JoinFacets(surface.partners, [&](uint32_t a, uint32_t b) {
+    return (*is_dropped)[a] == (*is_dropped)[b];
+  });
   std::vector<uint8_t> is_border = MarkCorners(surface.mesh, *is_dropped);
   for (size_t i = 0; i < is_border.size(); ++i) {
     is_border[i] |= surface.rings.is_border[i];
@@ -122,7 +125,7 @@ void AddLeftovers(const LinkedMesh& surface, const std::vector<float>& weights,
       const uint32_t partner = surface.partners[half];
       is_cut[piece] |= partner != kNone && (*is_dropped)[partner / 3] != 0;
     }
-    is_wide[piece] |= !IsReached(distances, facets[i]);
+    is_wide[piece] |= NumReached(distances, facets[i]) < 3;
     const Eigen::Vector3f area = AreaVector(surface.mesh, facets[i]) / 2;
     sizes[piece] +=
         (area / widths[i] / widths[i]).norm() * weights[i] * weights[i];
@@ -182,7 +185,13 @@ TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
   std::vector<uint8_t> is_low(facet_confidences.size());
   std::ranges::transform(facet_confidences, is_low.begin(),
                          [=](float value) { return value < min_confidence; });
-  std::vector<uint8_t> is_dropped = FindDropped(surface, is_low);
+  // Choices. First notches are filled. After that a plain closing would keep
+  // webs in corners, such as between a roof and a chimney; a right angle's web
+  // is .41 gap widths wide.
+  constexpr float kNotch = .25F;
+  constexpr float kShrunk = 1.5F;
+  std::vector<uint8_t> is_dropped =
+      FindOpen(surface, FindOpen(surface, is_low, kNotch, kNotch), 1, kShrunk);
   KeepContinuations(surface.mesh, surface.partners, &is_dropped);
   std::vector<float> weights = facet_confidences;
   for (size_t i = 0; i < front_shares.size(); ++i) {

@@ -135,6 +135,18 @@ TEST(TrimMesh, KeepsStripsThatConnectWhatIsConfident) {
   EXPECT_EQ(Analyze(Trim(mesh, confidences, 0.05f).mesh).num_components, 2);
 }
 
+TEST(TrimMesh, KeepsNoWebsInCorners) {
+  const TriangleMesh mesh = MakeBumpySphere(0.05f);
+  const std::vector<float> confidences =
+      SureWhere(mesh, [](const auto& p) { return p.minCoeff() < 0; });
+  const TrimmedMesh trimmed = Trim(mesh, confidences, 0.5f);
+  for (const uint32_t facet : trimmed.from.facets) {
+    // The plain closing of an octant ends at 0.15 in its corners.
+    EXPECT_LT(CentroidOf(mesh, mesh.facets[facet]).minCoeff(), 0.1);
+  }
+  EXPECT_GT(trimmed.report.num_kept_facets, 0);  // ragged borders are filled
+}
+
 TEST(TrimMesh, AddsNothingAlongTheBorder) {
   const TriangleMesh mesh = MakeBumpyCap(0.05f);  // ends at -0.3
   const std::vector<float> confidences =
@@ -180,6 +192,16 @@ TEST(TrimMesh, KeepsWhatContinuesTheSurface) {
     };
     EXPECT_NEAR(NumKept(walls, is_inside), is_quarter ? num_low : 0, 20);
   }
+  // Both sides of a ridge; and a lawn, but not the tent that rises from it.
+  const auto ridge = [](float x, float) { return std::abs(x - 20); };
+  EXPECT_NEAR(NumKept(ridge, is_inside), num_low, 20);
+  const auto is_tent = [](const auto& p) {
+    return std::abs(p.x() - 20) < 8 && std::abs(p.y() - 20) < 10;
+  };
+  const auto tent = [](float x, float y) {
+    return std::abs(x - 20) < 7.5f && y < 30 ? std::max(0.0f, y - 20) : 0.0f;
+  };
+  EXPECT_NEAR(NumKept(tent, is_tent), 320, 4);  // but for its corners
   // A bay at the border, and a strip that has more border than rim.
   const auto is_bay = [](const auto& p) {
     return p.x() < 20 && std::abs(p.y() - 20) < 6;
