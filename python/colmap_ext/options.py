@@ -59,7 +59,7 @@ class DelaunayManifoldMeshingOptions(BaseOptions):
     min_component_faces: Annotated[int, Range(0)] = 0
     """[faces] Remove components with fewer faces."""
 
-    max_side_length_factor: Annotated[float, Range(0, 1000000)] = 30.0
+    max_side_length_factor: Annotated[float, Range(0, 1000000)] = 20.0
     """Remove faces whose longest side is longer than this times the
     max_side_length_percentile of all faces' longest sides, unless they continue flat
     surface; 0: keep all."""

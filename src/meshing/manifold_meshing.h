@@ -69,7 +69,7 @@ struct ManifoldMeshingOptions {
   // A facet is dropped where its longest side is longer than this factor times
   // the given percentile of all facets' sides. A factor of zero keeps every
   // facet. The percentile is in [0, 100]; COLMAP's default. COLMAP's factor is
-  // 25; our sides are less uneven, and shorter at that percentile.
+  // 25, which keeps tents between roofs.
   double max_side_length_factor = 20.0;
   double max_side_length_percentile = 95.0;
 
