@@ -1,5 +1,6 @@
 #include "colmap_ext/options/command_options.h"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
@@ -151,10 +152,9 @@ void CommandOptions::AddPreset(
     const std::string& name,
     const std::vector<std::pair<const char*, std::function<void()>>>& words,
     size_t chosen, const std::string& help) {
-  std::vector<std::string> names;
-  for (const auto& [word, set_values] : words) {
-    names.push_back(word);
-  }
+  std::vector<std::string> names(words.size());
+  std::ranges::transform(words, names.begin(),
+                         [](const auto& word) { return word.first; });
   const auto index = std::make_shared<size_t>(chosen);
   AddChoice(
       name, names, [index] { return *index; },

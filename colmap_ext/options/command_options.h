@@ -121,10 +121,9 @@ class CommandOptions {
   void AddWord(const std::string& name, Value* value,
                std::vector<std::pair<const char*, Value>> words,
                const std::string& help) {
-    std::vector<std::string> names;
-    for (const auto& [word, meaning] : words) {
-      names.push_back(word);
-    }
+    std::vector<std::string> names(words.size());
+    std::ranges::transform(words, names.begin(),
+                           [](const auto& word) { return word.first; });
     const auto find = [=] {
       return static_cast<size_t>(
           std::ranges::find(words, *value,

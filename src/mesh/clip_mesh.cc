@@ -114,11 +114,11 @@ struct DroppedRegion {
   double border = 0;   // length of the other edges
 
   // See KeepContinuations(). An enclosed region is rarely a membrane.
-  bool Continues() const {
+  bool Continues(double min_rim) const {
     constexpr double kMinAligned = 2.0 / 3;
     constexpr double kFlatness = 0.97;
     constexpr double kEnclosedFlatness = 0.92;
-    return rim > border && aligned >= kMinAligned * rim &&
+    return rim > min_rim * border && aligned >= kMinAligned * rim &&
            area.norm() >= (border > 0 ? kFlatness : kEnclosedFlatness) * size;
   }
 };
@@ -177,7 +177,7 @@ UnionFind JoinFacets(const std::vector<uint32_t>& partners,
 }
 
 void KeepContinuations(const TriangleMesh& mesh,
-                       const std::vector<uint32_t>& partners,
+                       const std::vector<uint32_t>& partners, double min_rim,
                        std::vector<uint8_t>* is_dropped) {
   const std::vector<Facet>& facets = mesh.facets;
   const auto area_of = [&](uint32_t facet) -> Eigen::Vector3d {
@@ -211,10 +211,9 @@ void KeepContinuations(const TriangleMesh& mesh,
       }
     }
   }
-  std::erase_if(regions,
-                [](const auto& region) { return region.second.Continues(); });
   for (const uint32_t facet : dropped) {
-    (*is_dropped)[facet] = regions.contains(pieces.Find(facet)) ? 1 : 0;
+    const DroppedRegion& region = regions[pieces.Find(facet)];
+    (*is_dropped)[facet] = region.Continues(min_rim) ? 0 : 1;
   }
 }
 
@@ -232,7 +231,8 @@ size_t DropLongFacets(double factor, double percentile, TriangleMesh* mesh) {
   std::vector<uint8_t> is_dropped(sides.size());
   std::ranges::transform(sides, is_dropped.begin(),
                          [=](float side) { return !(side <= limit); });
-  KeepContinuations(*mesh, PairHalfEdges(mesh->facets), &is_dropped);
+  // Ground at the end of a scene often has more border than rim.
+  KeepContinuations(*mesh, PairHalfEdges(mesh->facets), 0.5, &is_dropped);
   return std::erase_if(mesh->facets, [&](const Facet& facet) {
     return is_dropped[&facet - mesh->facets.data()] != 0;
   });

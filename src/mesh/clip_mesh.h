@@ -34,12 +34,12 @@ UnionFind JoinFacets(const std::vector<uint32_t>& partners,
 
 // Keeps the regions of dropped facets that continue the surface around them: a
 // region ends at creases, is flat, coplanar with the kept facets along most of
-// its rim, and its rim is longer than its other outer edges (docs/method.md,
-// 3.8). A membrane across the sky or an opening bends at its rim.
+// its rim, and its rim is longer than min_rim times its other outer edges. A
+// membrane across the sky or an opening bends at its rim (docs/method.md, 3.8).
 // \param partners [3 F] see PairHalfEdges()
 // \param is_dropped [F] 1 or 0
 void KeepContinuations(const TriangleMesh& mesh,
-                       const std::vector<uint32_t>& partners,
+                       const std::vector<uint32_t>& partners, double min_rim,
                        std::vector<uint8_t>* is_dropped);
 
 // Drops the facets with a side longer than `factor` times the given percentile

@@ -192,7 +192,7 @@ TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
   constexpr float kShrunk = 1.5F;
   std::vector<uint8_t> is_dropped =
       FindOpen(surface, FindOpen(surface, is_low, kNotch, kNotch), 1, kShrunk);
-  KeepContinuations(surface.mesh, surface.partners, &is_dropped);
+  KeepContinuations(surface.mesh, surface.partners, 1, &is_dropped);
   std::vector<float> weights = facet_confidences;
   for (size_t i = 0; i < front_shares.size(); ++i) {
     weights[i] *= front_shares[i];

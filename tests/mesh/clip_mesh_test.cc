@@ -185,6 +185,13 @@ TEST(DropLongFacets, KeepsThoseThatContinueTheSurface) {
                       : Vector3f(15, p.y(), p.x() - 15);
   });
   EXPECT_EQ(DropLongFacets(2, 50, &walls), 60);
+  // The end of a sheet, with less than twice as much border as rim, and more.
+  for (const float length : {10.0f, 40.0f}) {
+    TriangleMesh end = Moved(MakeHeightField(30, flat), [=](const auto& p) {
+      return Vector3f(p.x() > 29 ? 29 + length : p.x(), p.y(), 0);
+    });
+    EXPECT_EQ(DropLongFacets(2, 50, &end), length == 10 ? 0 : 60);
+  }
 }
 
 TEST(DropSmallComponents, DropsThoseOfFewerFacetsThatEdgesConnect) {

@@ -359,6 +359,8 @@ TEST(Presets, CostMoreFromLowToExtreme) {
   const RefinerOptions extreme = ParseRefiner({"--quality", "extreme"});
   EXPECT_LT(low.image_scale, medium.image_scale);
   EXPECT_LT(medium.image_scale, high.image_scale);
+  EXPECT_LT(low.refinement.levels, high.refinement.levels);
+  EXPECT_LT(low.refinement.iterations, high.refinement.iterations);
   EXPECT_GT(extreme.refinement.labeling.final_pairs_per_facet,
             high.refinement.labeling.final_pairs_per_facet);
   double before = 1000;
