@@ -173,15 +173,17 @@ class FacetwiseRefinementOptions(BaseOptions):
     quarters of the machine's."""
 
     quality: Literal["low", "medium", "high", "extreme"] = "high"
-    """Preset of image_scale, max_face_area and final_pairs_per_face; options that are
-    given have priority. low takes less than half of the time of high."""
+    """Preset of image_scale, levels, iterations, max_face_area and
+    final_pairs_per_face; options that are given have priority. low takes a quarter to a
+    third of the time of high."""
 
     image_scale: Optional[Annotated[float, Range(0.05, 1)]] = None
     """Scale of the images that are compared: 0.5 is half the width and height, and a
     quarter of the time. None: as quality says; 1 for high."""
 
-    levels: Annotated[int, Range(1, 8)] = 3
-    """[levels] Image sizes, coarse to fine; 3: a quarter, half and full size."""
+    levels: Optional[Annotated[int, Range(1, 8)]] = None
+    """[levels] Image sizes, coarse to fine; 3: a quarter, half and full size. None: as
+    quality says; 3 for high."""
 
     smoothness_weight: Annotated[float, Range(0, 1000000)] = 1.0
     """Factor on the estimated smoothness; higher is smoother."""
@@ -223,8 +225,9 @@ class FacetwiseRefinementOptions(BaseOptions):
     """Order of the images by which .vis files number them. Set it if the command asks
     for it."""
 
-    iterations: Annotated[int, Range(1)] = 10
-    """[iterations] Maximum number at each level, without the last four."""
+    iterations: Optional[Annotated[int, Range(1)]] = None
+    """[iterations] Maximum number at each level, without the last four. None: as
+    quality says; 10 for high."""
 
     min_zncc: Annotated[float, Range(-1, 1)] = 0.5
     """Refine faces where the correlation of the images is at least this; other faces
