@@ -121,7 +121,7 @@ void AddBasicOptions(CommandOptions* options, RefinerOptions* refiner) {
                    "misaligned. The cameras of a rig move together");
   options->Add(ours + "min_confidence", &refiner->min_confidence,
                {0, 1, kAutoTrim, "auto"},
-               "Remove faces with a lower confidence; 0: keep all. auto: 0.2, "
+               "Remove faces with a lower confidence; 0: keep all. auto: 0.15, "
                "or 0 without fused points or if no face has as much");
   options->Add(ours + "close_holes", &refinement->borders.close_holes,
                {0, kNoLimit, kAllLoops},
@@ -235,7 +235,7 @@ void RefinerOptions::FinishMethod() {
 void RefinerOptions::ChooseTrim(bool has_fused_points) {
   // Tuned on photographs: membranes over the sky or an unseen basin have less,
   // and surface that two images see well has more (docs/method.md, 7.6).
-  constexpr double kDefault = 0.2;
+  constexpr double kDefault = 0.15;
   BorderOptions& borders = refinement.borders;
   borders.is_trim_optional = min_confidence == kAutoTrim;
   borders.trim = !borders.is_trim_optional ? min_confidence

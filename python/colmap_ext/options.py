@@ -198,7 +198,7 @@ class FacetwiseRefinementOptions(BaseOptions):
     images are misaligned. The cameras of a rig move together."""
 
     min_confidence: Union[Annotated[float, Range(0, 1)], Literal["auto"]] = "auto"
-    """Remove faces with a lower confidence; 0: keep all. auto: 0.2, or 0 without fused
+    """Remove faces with a lower confidence; 0: keep all. auto: 0.15, or 0 without fused
     points or if no face has as much."""
 
     close_holes: Annotated[float, Range(0, also=-1)] = 64.0

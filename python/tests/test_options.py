@@ -71,7 +71,7 @@ class OptionsTest(unittest.TestCase):
         with self.assertRaises(ValueError) as caught:
             colmap_ext.FacetwiseRefinementOptions(levels=9).check()
         self.assertEqual(str(caught.exception), "FacetwiseRefinementOptions.levels is 9; "
-                         "it has to be a whole number, 1 ... 8")
+                         "it has to be a whole number, 1 ... 8, or None")
 
     def test_values_have_the_type_of_their_option(self):
         refinement = colmap_ext.FacetwiseRefinementOptions
