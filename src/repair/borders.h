@@ -62,11 +62,11 @@ struct HoleReport {
 // Closes the holes of a mesh (docs/method.md, section 3.9): border loops that
 // the surface lies around and that are no wider than max_width. A loop is
 // filled by small facets bent as the surface around it, or else, where these
-// would intersect others or not be manifold, by flatter ones, and with
-// kAllLoops finally by facets that intersect others. New vertices have the
-// confidence 0 if the old ones have any, no views, and colours by the inverse
-// squared distances from the vertices of the loop. Old vertices and facets stay
-// as they are, before the new ones.
+// would intersect others or not be manifold, by flatter ones, and finally by
+// facets that intersect others, which is for RepairSelfIntersections(). New
+// vertices have the confidence 0 if the old ones have any, no views, and colors
+// by the inverse squared distances from the vertices of the loop. Old vertices
+// and facets stay as they are, before the new ones.
 // \param max_width  px; 0: none are closed, kAllLoops: all border loops
 // \param footprints [V] scene units a pixel, positive; of no use for kAllLoops
 // \pre the mesh is manifold

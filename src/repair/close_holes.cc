@@ -315,7 +315,7 @@ HoleReport CloseHoles(double max_width, std::span<const float> footprints,
     });
   }
   return loops.empty() ? HoleReport()
-                       : HoleCloser(max_width == kAllLoops, surface)
+                       : HoleCloser(/*may_intersect=*/true, surface)
                              .Close(std::move(loops));
 }
 
@@ -325,7 +325,7 @@ HoleReport CloseNewHoles(const std::vector<uint8_t>& is_new, Surface* surface) {
     return !std::ranges::all_of(
         loop, [&](uint32_t vertex) { return is_new[vertex] != 0; });
   });
-  return HoleCloser(false, surface).Close(std::move(loops));
+  return HoleCloser(/*may_intersect=*/false, surface).Close(std::move(loops));
 }
 
 }  // namespace colmap_ext

@@ -195,6 +195,18 @@ TEST(CloseHoles, LongSlitsAreAsWideAsTheyAreAcross) {
   EXPECT_EQ(Close(80, hole).report.num_closed, 1);
 }
 
+TEST(CloseHoles, MayIntersectWhatStandsInAHole) {
+  const TriangleMesh hole =
+      SquareWithout({Eigen::Vector2f(0.3f, 0.3f), Eigen::Vector2f(0.7f, 0.7f)});
+  const TriangleMesh post = {
+      {{0.5f, 0.5f, -0.3f}, {0.52f, 0.5f, 0.3f}, {0.5f, 0.52f, 0.3f}},
+      {{0, 1, 2}}};
+  const Closed closed = Close(80, Union(hole, post));
+  EXPECT_EQ(closed.report.num_closed, 1);
+  EXPECT_EQ(closed.report.num_intersecting, 1);
+  EXPECT_GT(FindSelfIntersections(closed.mesh).size(), 0);
+}
+
 TEST(CloseHoles, LeavesOuterBordersAndClosedMeshes) {
   const TriangleMesh strip =
       SquareWithout({Eigen::Vector2f(0, 0.2f), Eigen::Vector2f(1, 1)});
