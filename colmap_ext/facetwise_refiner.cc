@@ -24,7 +24,6 @@
 #include "mesh/topology.h"
 #include "pictures/pictures.h"
 #include "viewer/viewer_session.h"
-#include "workspace/sparse_model.h"
 #include "workspace/workspace_paths.h"
 
 namespace colmap_ext {

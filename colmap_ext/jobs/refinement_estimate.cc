@@ -12,17 +12,6 @@
 #include "spatial/facet_tree.h"
 
 namespace colmap_ext {
-namespace {
-
-// Of the time that the defaults take. Fitted to sceaux, bunny, and fountain.
-double TimeShare(const FacetwiseRefinementOptions& options) {
-  return 0.12 + 0.11 * options.levels +
-         0.022 * std::min(options.iterations, 10) +  // most levels end earlier
-         0.018 * options.labeling.final_pairs_per_facet;
-}
-
-}  // namespace
-
 double MaxMemoryGb(const RefinerOptions& options) {
   constexpr double kShare = 0.75;  // The rest is for others: a choice.
   return options.max_memory_gb == kAutoMemory
@@ -72,9 +61,7 @@ void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
 void EstimateJobs(const Surface& surface, const TileCells& cells,
                   const std::vector<View>& views, const RefinerOptions& options,
                   double gb_per_facet, std::vector<RefinementTile>* tiles) {
-  // Memory of a facet of the input, of that of a refined one. Measured where
-  // remeshing makes a hundred times fewer facets.
-  constexpr double kInputShare = 0.4;
+  constexpr double kInputShare = 0.4;  // of a refined facet's memory; measured
   const std::vector<float> parts =
       ExpectedParts(options.refinement.max_face_area, surface.mesh,
                     surface.attributes.views, views);
@@ -104,7 +91,12 @@ void EstimateJobs(const Surface& surface, const TileCells& cells,
     EstimateRefinement(of_tile, MaxMemoryGb(options),
                        tbb::this_task_arena::max_concurrency(), gb_per_facet,
                        &job);
-    job.core_seconds *= TimeShare(options.refinement);
+    // Of the time by defaults; fitted to sceaux, bunny, and fountain. Most
+    // levels end before ten iterations.
+    const FacetwiseRefinementOptions& method = options.refinement;
+    job.core_seconds *= 0.12 + 0.11 * method.levels +
+                        0.022 * std::min(method.iterations, 10) +
+                        0.018 * method.labeling.final_pairs_per_facet;
   }
 }
 

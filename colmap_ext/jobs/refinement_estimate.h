@@ -13,8 +13,7 @@ namespace colmap_ext {
 inline constexpr double kUsualGbPerFacet = 5.2e-7;
 inline constexpr double kBoundGbPerFacet = 1.3e-6;
 
-// Disk space, GB per facet: the mesh with its .vis, and the state that --resume
-// reads.
+// Disk space, GB per facet: the mesh with its .vis, and the state of --resume.
 inline constexpr double kDiskGbPerFacet = 1e-7;
 
 // \return max_memory_gb, or what it stands for on this machine.

@@ -31,8 +31,7 @@ std::vector<double> ReadNumbers(const std::filesystem::path& path);
 // \throw FileError if the file is missing, or has no such box.
 Region ReadRegion(const std::filesystem::path& path);
 
-// The text of 15 numbers that ReadRegion() reads as the same region, but for
-// rounding.
+// The text of 15 numbers that ReadRegion() reads as the same, but for rounding.
 std::string RegionText(const Region& region);
 
 // The region of two corners, "x0,y0,z0,x1,y1,z1".

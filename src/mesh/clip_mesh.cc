@@ -113,13 +113,11 @@ struct DroppedRegion {
   double aligned = 0;  // length of the rim where the kept facets lie along it
   double border = 0;   // length of the other edges
 
-  // See KeepContinuations(). An enclosed region is rarely a membrane.
-  bool Continues(double min_rim) const {
+  bool Continues(double min_rim) const {  // see KeepContinuations()
     constexpr double kMinAligned = 2.0 / 3;
     constexpr double kFlatness = 0.97;
-    constexpr double kEnclosedFlatness = 0.92;
     return rim > min_rim * border && aligned >= kMinAligned * rim &&
-           area.norm() >= (border > 0 ? kFlatness : kEnclosedFlatness) * size;
+           area.norm() >= kFlatness * size;
   }
 };
 
@@ -174,6 +172,26 @@ UnionFind JoinFacets(const std::vector<uint32_t>& partners,
     }
   }
   return pieces;
+}
+
+void KeepEnclosed(const std::vector<uint32_t>& partners,
+                  const std::vector<double>& sizes, double max_size,
+                  std::vector<uint8_t>* is_dropped) {
+  UnionFind pieces = JoinFacets(partners, [&](uint32_t a, uint32_t b) {
+    return (*is_dropped)[a] != 0 && (*is_dropped)[b] != 0;
+  });
+  std::vector<double> totals(is_dropped->size(), 0);
+  std::vector<uint8_t> has_rim(is_dropped->size(), 0);
+  for (uint32_t half = 0; half < partners.size(); ++half) {
+    const uint32_t piece = pieces.Find(half / 3);
+    const bool is_border = partners[half] == kNone;
+    totals[piece] += is_border ? HUGE_VAL : sizes[half / 3] / 3;
+    has_rim[piece] |= !is_border && (*is_dropped)[partners[half] / 3] == 0;
+  }
+  for (uint32_t facet = 0; facet < is_dropped->size(); ++facet) {
+    const uint32_t piece = pieces.Find(facet);
+    (*is_dropped)[facet] &= has_rim[piece] == 0 || !(totals[piece] <= max_size);
+  }
 }
 
 void KeepContinuations(const TriangleMesh& mesh,
@@ -231,8 +249,10 @@ size_t DropLongFacets(double factor, double percentile, TriangleMesh* mesh) {
   std::vector<uint8_t> is_dropped(sides.size());
   std::ranges::transform(sides, is_dropped.begin(),
                          [=](float side) { return !(side <= limit); });
+  const std::vector<uint32_t> partners = PairHalfEdges(mesh->facets);
+  KeepEnclosed(partners, std::vector<double>(sides.size()), 0, &is_dropped);
   // Ground at the end of a scene often has more border than rim.
-  KeepContinuations(*mesh, PairHalfEdges(mesh->facets), 0.5, &is_dropped);
+  KeepContinuations(*mesh, partners, 0.5, &is_dropped);
   return std::erase_if(mesh->facets, [&](const Facet& facet) {
     return is_dropped[&facet - mesh->facets.data()] != 0;
   });

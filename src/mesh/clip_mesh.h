@@ -32,6 +32,12 @@ std::optional<Provenance> CutOff(const Region& region, Surface* surface);
 UnionFind JoinFacets(const std::vector<uint32_t>& partners,
                      const std::function<bool(uint32_t, uint32_t)>& joins);
 
+// Keeps the regions of dropped facets that kept ones enclose.
+// \param sizes [F] a region is kept if they add up to max_size at most
+void KeepEnclosed(const std::vector<uint32_t>& partners,
+                  const std::vector<double>& sizes, double max_size,
+                  std::vector<uint8_t>* is_dropped);
+
 // Keeps the regions of dropped facets that continue the surface around them: a
 // region ends at creases, is flat, coplanar with the kept facets along most of
 // its rim, and its rim is longer than min_rim times its other outer edges. A
@@ -44,7 +50,7 @@ void KeepContinuations(const TriangleMesh& mesh,
 
 // Drops the facets with a side longer than `factor` times the given percentile
 // (0 ... 100) of the facets' longest sides, unless they continue the surface
-// around them (see KeepContinuations()); none where the factor is 0.
+// around them or are enclosed; none where the factor is 0.
 // \return how many
 // \pre facet indices are in range
 size_t DropLongFacets(double factor, double percentile, TriangleMesh* mesh);

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "mesh/clip_mesh.h"
 #include "mesh/confidences.h"
 #include "mesh/split_fans.h"
 #include "remesh/isotropic_remeshing.h"

@@ -7,7 +7,6 @@
 
 #include "delaunay/thinning.h"
 #include "delaunay/visibility_weights.h"
-#include "mesh/clip_mesh.h"
 #include "mesh/surface.h"
 #include "mesh/topology.h"
 #include "meshing/fix_singular_vertices.h"

@@ -72,8 +72,7 @@ struct FacetwiseRefinementOptions {
   // open is wider than twice its gap width.
   BorderOptions borders{.close_holes = 64};
 
-  // Parts that leave the region are clipped in the final step. nullopt: no
-  // clipping.
+  // Parts that leave the region are clipped in the final step; or nullopt.
   std::optional<Region> region = std::nullopt;
 };
 

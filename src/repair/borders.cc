@@ -1,5 +1,6 @@
 #include "repair/borders.h"
 
+#include <array>
 #include <stdexcept>
 #include <utility>
 
@@ -17,12 +18,8 @@ using Eigen::Vector3f;
 
 constexpr int kSteps = 30;  // a choice: evens out zigzags of a few facets
 
-// A vertex that is moved, and its neighbors on the border.
-struct BorderVertex {
-  uint32_t vertex;
-  uint32_t before;
-  uint32_t after;
-};
+// A vertex that is moved, and its neighbors on the border before and after it.
+using BorderVertex = std::array<uint32_t, 3>;
 
 // A manifold mesh has no more than one border edge to a vertex and one from it.
 std::vector<BorderVertex> FindBorderVertices(
@@ -46,17 +43,14 @@ Vector3f NormalOf(const TriangleMesh& mesh, uint32_t facet) {
   return AreaVector(mesh, mesh.facets[facet]).normalized();
 }
 
-// A facet at one of the vertices.
-struct GuardedFacet {
-  uint32_t facet;
-  Vector3f normal;  // unit; zero where there is no area
-};
+// A facet at one of the vertices, and its unit normal, or zero without an area.
+using GuardedFacet = std::pair<uint32_t, Vector3f>;
 
 std::vector<GuardedFacet> FindGuarded(const std::vector<BorderVertex>& border,
                                       const TriangleMesh& mesh) {
   std::vector<uint8_t> is_border(mesh.vertices.size(), 0);
   for (const BorderVertex& vertex : border) {
-    is_border[vertex.vertex] = 1;
+    is_border[vertex[0]] = 1;
   }
   std::vector<GuardedFacet> guarded;
   for (uint32_t i = 0; i < mesh.facets.size(); ++i) {

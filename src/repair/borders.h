@@ -27,13 +27,13 @@ struct TrimmedMesh : DerivedMesh {  // manifold, its facets in their order
 // What is left are the confident facets and the gaps between them that are
 // narrower than two gap widths: a closing along the surface, without the webs
 // that a plain one leaves in corners. Nothing is added along the outer border.
-// Flat regions that continue the surface around them are kept, see
-// KeepContinuations(). Pieces that this cuts off and that lie within the gap
-// width of their own border are dropped, too, and so are pieces smaller than a
-// disk of the gap width, but for the largest; facets count with the squares of
-// their confidences, or of front_shares of these. The borders that this opens
-// are smoothed along themselves; no other vertex moves. Where nothing is
-// dropped the mesh is not changed.
+// Regions that are enclosed or continue the surface around them are kept, see
+// KeepContinuations(). Shreds thinner than a gap width are dropped, and so are
+// pieces that this cuts off and that lie within the gap width of their own
+// border, and pieces smaller than a disk of the gap width, but for the largest;
+// facets count with the squares of their confidences, or of front_shares of
+// these. The borders that this opens are smoothed along themselves; no other
+// vertex moves. Where nothing is dropped the mesh is not changed.
 //
 // \param min_confidence  0: drops nothing
 // \param facet_confidences [F] in [0, 1]
@@ -88,8 +88,7 @@ HoleReport CloseNewHoles(const std::vector<uint8_t>& is_new, Surface* surface);
 void SmoothBorders(const std::vector<uint8_t>& is_moved, TriangleMesh* mesh);
 
 struct BorderOptions {
-  // Facets of less confidence are dropped, see TrimMesh(). In [0, 1]; 0 drops
-  // none.
+  // Facets of less confidence are dropped, see TrimMesh(). In [0, 1]; 0: none.
   double trim = 0;
 
   // Holes of up to this width are closed, px, see CloseHoles(); 0: none,

@@ -31,7 +31,7 @@ struct LinkedMesh {
 // \param is_source [V]
 std::vector<float> Distances(const LinkedMesh& surface,
                              const std::vector<uint8_t>& is_source,
-                             float reach = 1) {
+                             float reach) {
   std::vector<float> distances;
   for (const uint8_t source : is_source) {
     distances.push_back(source != 0 ? 0 : HUGE_VALF);
@@ -95,50 +95,37 @@ std::vector<uint8_t> FindOpen(const LinkedMesh& surface,
   return is_open;
 }
 
-// Of what is left, drops the small pieces and those that were cut off and lie
-// within a gap's width of their border, too. The less confident a piece is, the
-// larger it has to be: facets count with the squares of their weights, so that
-// fragments of foliage go.
-void AddLeftovers(const LinkedMesh& surface, const std::vector<float>& weights,
-                  std::vector<uint8_t>* is_dropped) {
+// The areas of facets: [F] squares of the gap width.
+std::vector<double> SizesOf(const LinkedMesh& surface) {
   const std::vector<Facet>& facets = surface.mesh.facets;
+  const std::vector<float> widths = MeanOfCorners(facets, surface.gap_widths);
+  std::vector<double> sizes;
+  for (size_t i = 0; i < facets.size(); ++i) {
+    const Eigen::Vector3f area = AreaVector(surface.mesh, facets[i]) / 2;
+    sizes.push_back((area / widths[i] / widths[i]).norm());
+  }
+  return sizes;
+}
+
+// Of what is left, drops pieces smaller than a disk, too. The less confident a
+// piece is, the larger it has to be: facets count with the squares of their
+// weights, so that fragments of foliage go.
+void AddLeftovers(const LinkedMesh& surface, const std::vector<double>& sizes,
+                  const std::vector<float>& weights,
+                  std::vector<uint8_t>* is_dropped) {
   UnionFind pieces = JoinFacets(surface.partners, [&](uint32_t a, uint32_t b) {
     return (*is_dropped)[a] == (*is_dropped)[b];
   });
-  std::vector<uint8_t> is_border = MarkCorners(surface.mesh, *is_dropped);
-  for (size_t i = 0; i < is_border.size(); ++i) {
-    is_border[i] |= surface.rings.is_border[i];
-  }
-  const std::vector<float> distances = Distances(surface, is_border);
-  const std::vector<float> widths = MeanOfCorners(facets, surface.gap_widths);
-  // [F] by representatives
-  std::vector<uint8_t> is_cut(facets.size(), 0);
-  std::vector<uint8_t> is_wide(facets.size(), 0);
-  std::vector<double> sizes(facets.size(), 0);  // squares of the gap width
+  std::vector<double> totals(sizes.size(), 0);
   double largest = 0;
-  for (uint32_t i = 0; i < facets.size(); ++i) {
-    if ((*is_dropped)[i] != 0) {
-      continue;
-    }
-    const uint32_t piece = pieces.Find(i);
-    for (uint32_t half = 3 * i; half < 3 * i + 3; ++half) {
-      const uint32_t partner = surface.partners[half];
-      is_cut[piece] |= partner != kNone && (*is_dropped)[partner / 3] != 0;
-    }
-    is_wide[piece] |= NumReached(distances, facets[i]) < 3;
-    const Eigen::Vector3f area = AreaVector(surface.mesh, facets[i]) / 2;
-    sizes[piece] +=
-        (area / widths[i] / widths[i]).norm() * weights[i] * weights[i];
-    largest = std::max(largest, sizes[piece]);
+  for (uint32_t i = 0; i < sizes.size(); ++i) {
+    double& total = totals[pieces.Find(i)];
+    total += (*is_dropped)[i] != 0 ? 0 : sizes[i] * weights[i] * weights[i];
+    largest = std::max(largest, total);
   }
-  const double min_size = std::min(std::numbers::pi, largest);  // of a disk
-  for (uint32_t i = 0; i < facets.size(); ++i) {
-    const uint32_t piece = pieces.Find(i);
-    if ((*is_dropped)[i] == 0 &&
-        (sizes[piece] < min_size ||
-         (is_cut[piece] != 0 && is_wide[piece] == 0))) {
-      (*is_dropped)[i] = 1;
-    }
+  const double min_size = std::min(std::numbers::pi, largest);
+  for (uint32_t i = 0; i < sizes.size(); ++i) {
+    (*is_dropped)[i] |= totals[pieces.Find(i)] < min_size ? 1 : 0;
   }
 }
 
@@ -159,8 +146,7 @@ void Drop(const LinkedMesh& surface, const std::vector<uint8_t>& is_dropped,
       is_opened.push_back(partner != kNone && is_dropped[partner / 3] != 0);
     }
   }
-  // A manifold mesh gets no midpoints: facets and half-edges keep their
-  // indices.
+  // A manifold mesh gets no midpoints: facets, half-edges keep their indices.
   FanSplit split = SplitFans(std::move(kept));
   SmoothBorders(is_opened, &split.mesh);
   trimmed->mesh = std::move(split.mesh);
@@ -190,14 +176,23 @@ TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
   // is .41 gap widths wide.
   constexpr float kNotch = .25F;
   constexpr float kShrunk = 1.5F;
+  constexpr double kHollow = 50;  // a disk of four gap widths
   std::vector<uint8_t> is_dropped =
       FindOpen(surface, FindOpen(surface, is_low, kNotch, kNotch), 1, kShrunk);
+  const std::vector<double> sizes = SizesOf(surface);
+  KeepEnclosed(surface.partners, sizes, kHollow, &is_dropped);
   KeepContinuations(surface.mesh, surface.partners, 1, &is_dropped);
+  // The closing of what is dropped removes shreds of membranes.
+  constexpr float kShred = 0.5F;
+  const auto is_none = [](uint8_t mark) { return mark == 0 ? 1 : 0; };
+  std::ranges::transform(is_dropped, is_dropped.begin(), is_none);
+  is_dropped = FindOpen(surface, is_dropped, kShred, kShrunk * kShred);
+  std::ranges::transform(is_dropped, is_dropped.begin(), is_none);
   std::vector<float> weights = facet_confidences;
   for (size_t i = 0; i < front_shares.size(); ++i) {
     weights[i] *= front_shares[i];
   }
-  AddLeftovers(surface, weights, &is_dropped);
+  AddLeftovers(surface, sizes, weights, &is_dropped);
   TrimReport& report = trimmed.report;
   for (size_t i = 0; i < is_low.size(); ++i) {
     report.num_facets += is_dropped[i];

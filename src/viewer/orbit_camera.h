@@ -33,8 +33,7 @@ class OrbitCamera {
   // Turns around an axis through the pivot. Radians, world frame.
   void Turn(double angle, const Eigen::Vector3d& axis);
 
-  // Moves the scene with the mouse; points at the depth of the pivot follow it
-  // exactly.
+  // Moves the scene with the mouse; points at the pivot's depth follow it.
   void Pan(const Eigen::Vector2d& from, const Eigen::Vector2d& to, int width,
            int height);
 

@@ -57,8 +57,7 @@ std::vector<uint32_t> FirstInCube(const TriangleMesh& mesh, double side) {
   return firsts;
 }
 
-// Side lengths [px] of the patch shown and of the area searched. Chosen by
-// hand.
+// Side lengths [px] of the patch shown and of the area searched. Choices.
 constexpr int kPatchSize = 48;
 constexpr int kSearchSize = 256;
 
@@ -153,8 +152,7 @@ const char* NameOf(MeshMode mode) {
 }
 
 MeshColors ColorsByMode(const ShownMesh& mesh, MeshMode mode) {
-  // Shading of colors of a scale, so that the shape stays visible. Chosen by
-  // hand.
+  // Shading of colors of a scale, so that the shape stays visible. A choice.
   constexpr float kHalf = 0.5F;
   if (!MissingData(mesh, mode).empty()) {
     return {};

@@ -13,8 +13,7 @@ namespace colmap_ext {
 namespace {
 
 constexpr double kWait = 0.05;  // seconds between looks into the inbox
-// Seconds without a change until a coarse picture is drawn in full. Chosen by
-// hand.
+// Seconds without a change until a coarse picture is drawn in full. A choice.
 constexpr double kStill = 0.25;
 // Frames after a change; a panel gets its size in the second one.
 constexpr int kFrames = 3;

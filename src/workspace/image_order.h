@@ -30,8 +30,7 @@ struct ImageOrder {
   std::vector<size_t> images;  // index into the model's images, by .vis index
 };
 
-// The orders of COLMAP 3.8 to 4.x that the model has, even if several are the
-// same.
+// The orders of COLMAP 3.8 to 4.x that the model has, even if they are equal.
 std::vector<ImageOrder> CandidateImageOrders(const SparseModel& model);
 
 // How well an order agrees with a sample of the cloud.

@@ -118,12 +118,42 @@ TEST(TrimMesh, KeepsGapsUpToTwiceTheWidth) {
         SureWhere(mesh, [&](const auto& p) { return !IsOnTop(p, radius); });
     EXPECT_EQ(Trim(mesh, confidences, 1.5f * radius).mesh, mesh);
     size_t num_facets = 0;
-    for (const float gap_width : {0.0f, 0.2f * radius, 0.6f * radius}) {
+    // With a third of the radius it is a hollow.
+    for (const float gap_width : {0.0f, 0.1f * radius, 0.2f * radius}) {
       const TrimmedMesh trimmed = Trim(mesh, confidences, gap_width);
       EXPECT_LT(trimmed.mesh.facets.size(), mesh.facets.size());
       EXPECT_GE(trimmed.mesh.facets.size(), num_facets);
       num_facets = trimmed.mesh.facets.size();
     }
+  }
+}
+
+TEST(TrimMesh, KeepsHollowsAsLargeAsADiskOfFourGapWidths) {
+  const TriangleMesh mesh = MakeBumpySphere(0.05f);
+  const auto is_sure = [](const auto& p) { return !IsOnTop(p, 0.4f); };
+  EXPECT_EQ(Trim(mesh, SureWhere(mesh, is_sure), 0.13f).mesh, mesh);
+  EXPECT_NE(Trim(mesh, SureWhere(mesh, is_sure), 0.08f).mesh, mesh);
+  TriangleMesh open = mesh;  // the same region, but around a border
+  std::erase_if(open.facets, [&](const Facet& facet) {
+    return IsOnTop(CentroidOf(open, facet), 0.1f);
+  });
+  EXPECT_NE(Trim(open, SureWhere(open, is_sure), 0.13f).mesh, open);
+}
+
+TEST(TrimMesh, DropsShreds) {
+  const TriangleMesh sheet =
+      MakeHeightField(40, [](float, float) { return 0.0f; });
+  // A strip reaches out of the part that is sure.
+  for (const float half_width : {2.0f, 10.0f}) {
+    const auto is_sure = [=](const auto& p) {
+      return p.x() < 10 || (p.x() < 32 && std::abs(p.y() - 20) < half_width);
+    };
+    const TrimmedMesh trimmed = Trim(sheet, SureWhere(sheet, is_sure), 8);
+    float end = 0;
+    for (const Facet& facet : trimmed.mesh.facets) {
+      end = std::max(end, CentroidOf(trimmed.mesh, facet).x());
+    }
+    EXPECT_NEAR(end, half_width < 4 ? 10 : 32, 7);
   }
 }
 
@@ -136,7 +166,10 @@ TEST(TrimMesh, KeepsStripsThatConnectWhatIsConfident) {
 }
 
 TEST(TrimMesh, KeepsNoWebsInCorners) {
-  const TriangleMesh mesh = MakeBumpySphere(0.05f);
+  TriangleMesh mesh = MakeBumpySphere(0.05f);
+  std::erase_if(mesh.facets, [&](const Facet& facet) {
+    return CentroidOf(mesh, facet).minCoeff() > 0.5f;  // else it is a hollow
+  });
   const std::vector<float> confidences =
       SureWhere(mesh, [](const auto& p) { return p.minCoeff() < 0; });
   const TrimmedMesh trimmed = Trim(mesh, confidences, 0.5f);
