@@ -62,7 +62,7 @@ struct RefinementTile {
   double core_seconds = 0;
 };
 
-// PLAN/refine.json: what the jobs that refine a plan share, but the surface.
+// PLAN/refine.json: all that the jobs refining a plan share but the surface.
 struct RefinementPlan {
   std::filesystem::path folder;  // of the plan
   JobInputs inputs;              // files by their paths

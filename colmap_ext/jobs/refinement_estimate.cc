@@ -12,6 +12,7 @@
 #include "spatial/facet_tree.h"
 
 namespace colmap_ext {
+
 double MaxMemoryGb(const RefinerOptions& options) {
   constexpr double kShare = 0.75;  // The rest is for others: a choice.
   return options.max_memory_gb == kAutoMemory

@@ -34,6 +34,7 @@ UnionFind JoinFacets(const std::vector<uint32_t>& partners,
 
 // Keeps the regions of dropped facets that kept ones enclose.
 // \param sizes [F] a region is kept if they add up to max_size at most
+// \param is_dropped [F] 1 or 0
 void KeepEnclosed(const std::vector<uint32_t>& partners,
                   const std::vector<double>& sizes, double max_size,
                   std::vector<uint8_t>* is_dropped);

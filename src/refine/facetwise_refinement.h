@@ -72,7 +72,7 @@ struct FacetwiseRefinementOptions {
   // open is wider than twice its gap width.
   BorderOptions borders{.close_holes = 64};
 
-  // Parts that leave the region are clipped in the final step; or nullopt.
+  // Parts that leave the region are clipped in the final step. nullopt: none.
   std::optional<Region> region = std::nullopt;
 };
 

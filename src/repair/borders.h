@@ -28,12 +28,12 @@ struct TrimmedMesh : DerivedMesh {  // manifold, its facets in their order
 // narrower than two gap widths: a closing along the surface, without the webs
 // that a plain one leaves in corners. Nothing is added along the outer border.
 // Regions that are enclosed or continue the surface around them are kept, see
-// KeepContinuations(). Shreds thinner than a gap width are dropped, and so are
-// pieces that this cuts off and that lie within the gap width of their own
-// border, and pieces smaller than a disk of the gap width, but for the largest;
-// facets count with the squares of their confidences, or of front_shares of
-// these. The borders that this opens are smoothed along themselves; no other
-// vertex moves. Where nothing is dropped the mesh is not changed.
+// KeepEnclosed() and KeepContinuations(). Shreds thinner than a gap width are
+// dropped, and so are pieces smaller than a disk of the gap width, but for the
+// largest; facets count with the squares of their confidences, or of
+// front_shares of these. The borders that this opens are smoothed along
+// themselves; no other vertex moves. Where nothing is dropped the mesh is not
+// changed.
 //
 // \param min_confidence  0: drops nothing
 // \param facet_confidences [F] in [0, 1]

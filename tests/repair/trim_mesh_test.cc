@@ -118,7 +118,7 @@ TEST(TrimMesh, KeepsGapsUpToTwiceTheWidth) {
         SureWhere(mesh, [&](const auto& p) { return !IsOnTop(p, radius); });
     EXPECT_EQ(Trim(mesh, confidences, 1.5f * radius).mesh, mesh);
     size_t num_facets = 0;
-    // With a third of the radius it is a hollow.
+    // With a quarter of the radius and more it is a hollow.
     for (const float gap_width : {0.0f, 0.1f * radius, 0.2f * radius}) {
       const TrimmedMesh trimmed = Trim(mesh, confidences, gap_width);
       EXPECT_LT(trimmed.mesh.facets.size(), mesh.facets.size());
